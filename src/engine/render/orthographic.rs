@@ -47,7 +47,7 @@ impl OrthographicView {
             return Err(Error::invalid(format!("viewpoint '{}'", vantage.camera.name), what));
         }
         let size = vantage.camera.intrinsics;
-        Self::through(samples, vantage, Intrinsics::orthographic(size.width, size.height, width), width)
+        Ok(Self::through(samples, vantage, Intrinsics::orthographic(size.width, size.height, width), width))
     }
 
     /// The picture of a vantage whose camera is orthographic.
@@ -57,11 +57,11 @@ impl OrthographicView {
     pub(super) fn of_camera(samples: &SampleSet, vantage: &Vantage) -> Result<Self> {
         vantage.check(samples)?;
         let lens = vantage.camera.intrinsics;
-        Self::through(samples, vantage, lens, lens.depth_scale(1.0))
+        Ok(Self::through(samples, vantage, lens, lens.depth_scale(1.0)))
     }
 
     /// The picture from a vantage through an orthographic lens, which is so wide in world units.
-    fn through(samples: &SampleSet, vantage: &Vantage, lens: Intrinsics, width: f64) -> Result<Self> {
+    fn through(samples: &SampleSet, vantage: &Vantage, lens: Intrinsics, width: f64) -> Self {
         let pose = vantage.camera.world_from_camera;
         let forward = pose.matrix3.z_axis.normalize_or_zero();
         let ahead = Ahead { eye: pose.translation, forward };
@@ -73,7 +73,7 @@ impl OrthographicView {
         let mut camera = Camera { intrinsics, ..own };
         camera.world_from_camera.translation -= back * forward;
         let samples = Arc::new(ahead.samples(samples, vantage.frame));
-        Ok(Self { samples, vantage: Vantage { camera, frame: vantage.frame }, back })
+        Self { samples, vantage: Vantage { camera, frame: vantage.frame }, back }
     }
 
     /// The rendered picture with depths from the viewpoint.

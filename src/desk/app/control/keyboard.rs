@@ -30,7 +30,6 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("?", "keyboard and mouse shortcuts"),
             ("Ctrl + O", "open a file"),
             ("Ctrl + S, Ctrl + E", "share the store, or in another way"),
-            ("Ctrl + Shift + F", "copy a figure of the view under the pointer"),
             ("Ctrl + Z, Ctrl + Y", "undo, redo"),
             ("Shift + Space", "maximize the view under the pointer, or restore it"),
             ("F11", "full screen"),
@@ -61,7 +60,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Click", "pin the pixel under the pointer"),
             ("P", "pin or unpin the pixel"),
             ("F", "center view on the selected pixel"),
-            ("Ctrl + Shift + C", "copy the explanation"),
+            ("Ctrl + Shift + C, F", "copy the explanation, or a figure of the view"),
         ],
     ),
     (
@@ -74,10 +73,8 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("[ and ]", "fly slower, faster"),
             ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
             ("M", "measure a distance between two points"),
-            ("Ctrl + C, Ctrl + V", "copy the view as text, go to a copied view"),
+            ("Ctrl + C, V, D", "copy the view as text, go to a copied view, keep the view"),
             ("Home, double-click", "reset to the start view"),
-            ("Ctrl + D", "keep the view in the View panel"),
-            ("Alt + left, Alt + right", "back to the view before a jump, forward again"),
             ("H", "hatch holes, or fill them"),
         ],
     ),
@@ -218,6 +215,7 @@ fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
         (Modifiers::COMMAND, Key::P, Command::Window(WindowCommand::Palette(palette))),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::Pixel(PixelCommand::CopyExplanation)),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure)),
+        (Modifiers::NONE, Key::F11, Command::Window(WindowCommand::FullScreen)),
     ];
     let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));
     pressed.map(|(_, _, command)| command).collect()
@@ -234,16 +232,11 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 
 /// Keys that hide and show what surrounds the views.
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    if pressed(ctx, Modifiers::NONE, Key::F11) {
-        commands.push(Command::Window(WindowCommand::FullScreen));
-    }
+    commands.extend(pressed(ctx, Modifiers::COMMAND, Key::D).then_some(Command::View(ViewCommand::Keep)));
     for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
         if pressed(ctx, Modifiers::ALT, key) {
             commands.push(Command::View(command));
         }
-    }
-    if pressed(ctx, Modifiers::COMMAND, Key::D) {
-        commands.push(Command::View(ViewCommand::Keep));
     }
     for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
         if pressed(ctx, Modifiers::COMMAND, key) {

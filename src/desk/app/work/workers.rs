@@ -14,6 +14,7 @@ use crate::app::rooms::edits::work::SampleEditor;
 use crate::app::rooms::files::model::{Destination, Purpose};
 use crate::app::rooms::files::work::{files, opening};
 use crate::app::rooms::live::model::{CarryKey, LiveKey};
+use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::live::work::{carry, image as live_image};
 use crate::app::rooms::pixel::model::ProbeKey;
 use crate::app::rooms::pixel::work as facts;
@@ -115,7 +116,7 @@ impl Workers {
         let (comparing, previewing, filming) = (studying.clone(), studying.clone(), studying.clone());
         let (progress, points) = (outbox.clone(), outbox.clone());
         let mut renderer = Renderer::sharing(shared);
-        let mut filter = live_image::CameraFilter::default();
+        let mut filter = CameraFilter::default();
         let mut editor = SampleEditor::default();
         let editing = rendering.clone();
         let mut comparer = Comparer::new(studying.clone());

@@ -52,13 +52,14 @@ impl SequenceRanges {
         }
         let colors = self.low_color.as_slice().iter().zip(self.high_color.as_slice());
         let depths = self.depth_relative.as_slice().iter().zip(self.mean_inverse_depth.as_slice());
-        let pixels = colors.zip(depths);
-        let is_static = |((low, high), (depth, mean)): ((&[i16; 3], &[i16; 3]), (&f32, &f32))| {
-            *depth <= test.granted_depth_at(*mean) && test.is_color_static(*low, *high)
-        };
-        let is_static: Vec<bool> = pixels.map(is_static).collect();
-        let keeps_values = |pixel: usize| self.values.is_static(pixel, test.value_tolerances());
-        is_static.into_iter().enumerate().map(|(pixel, is)| is && keeps_values(pixel)).collect()
+        let pixels = colors.zip(depths).enumerate();
+        pixels
+            .map(|(pixel, ((low, high), (depth, mean)))| {
+                *depth <= test.granted_depth_at(*mean)
+                    && test.is_color_static(*low, *high)
+                    && self.values.is_static(pixel, test.value_tolerances())
+            })
+            .collect()
     }
 
     /// Range of color over time of every pixel, the widest of the three channels, 8-bit sRGB steps.

@@ -37,10 +37,10 @@ impl ValueHistogram {
             found
         };
         let of_images = images.par_iter().map(|image| of_image(empty(), &image.values));
-        of_images.reduce(empty, Self::plus)
+        of_images.reduce(empty, |sum, image| sum.plus(&image))
     }
 
-    fn plus(mut self, other: Self) -> Self {
+    fn plus(mut self, other: &Self) -> Self {
         let sum =
             |own: &mut [u64], other: &[u64]| own.iter_mut().zip(other).for_each(|(own, other)| *own += other);
         sum(&mut self.counts, &other.counts);

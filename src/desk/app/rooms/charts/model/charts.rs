@@ -4,13 +4,14 @@ use std::collections::HashSet;
 use std::time::Instant;
 
 use super::axis::{Quantity, ShownAxis, place};
+use super::names::settings_alone;
 use super::study::{Study, StudyChoice};
 use crate::app::model::results::method_of;
 use overlook_engine::plural::counted;
 use overlook_engine::settings::Settings;
 use overlook_lab::chart::Scale;
 use overlook_lab::stress::{Disturbance, StressPoint};
-use overlook_lab::sweep::{self, Point, Series};
+use overlook_lab::sweep::{self, Point};
 
 /// The question what to measure.
 pub(crate) struct StudyQuestion {
@@ -253,59 +254,11 @@ impl Charts {
     }
 }
 
-/// The settings that give a point; `None` where samples were thinned or cameras left out besides, so that they do not.
-pub(crate) fn settings_alone(point: &Point) -> Option<&Settings> {
-    let more_was_done = matches!(
-        point.series,
-        Series::Random | Series::VoxelGrid | Series::FirstCameraAtCount | Series::SingleCamera
-    );
-    let more_was_done = more_was_done || point.series.is_rival();
-    (!more_was_done).then_some(&point.settings)
-}
-
-/// The start of a sweep in the window: the settings on the sliders.
-const START: &str = "settings it started from";
-
-/// Name of a series in the window.
-pub(crate) fn series_name(series: Series) -> &'static str {
-    if series == Series::Reference { START } else { series.name() }
-}
-
-/// Name of a method of a stress test in the window.
-pub(crate) fn method_name(method: &str) -> &str {
-    match method {
-        "ours" => START,
-        "paper" => "as in the paper",
-        other => other,
-    }
-}
-
-/// Name of a point in the window.
-pub(crate) fn point_name(point: &Point) -> String {
-    point
-        .label
-        .strip_prefix("default, ")
-        .map_or_else(|| point.label.clone(), |kernel| format!("{START}, {kernel}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use overlook_engine::demo::{Demo, DemoSpec};
+    use overlook_lab::sweep::Series;
     use overlook_lab::trial::{Fineness, Trial, TrialResult};
-
-    #[test]
-    fn what_a_sweep_starts_from_is_not_called_the_defaults() {
-        let mut settings = Settings::default();
-        settings.pruning.depth_tolerance = 2.0;
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((16, 12));
-        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        for planned in sweep::SweepPlan::standard(&settings, &capture).trials {
-            let point = Point::new(&planned.trial, planned.series, &TrialResult::default());
-            assert!(!series_name(point.series).contains("default"), "{:?}", point.series);
-            assert!(!point_name(&point).contains("default"), "{}", point.label);
-        }
-    }
 
     fn point(label: &str, psnr: f64, bytes: u64, seconds: f64) -> Point {
         let trial = Trial::new(label, Settings::default());
@@ -392,10 +345,6 @@ mod tests {
         assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("kernel")));
         other.pruning.depth_tolerance = 2.0;
         assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("settings")));
-        assert_eq!(
-            ["ours", "paper", "without defenses"].map(method_name),
-            [START, "as in the paper", "without defenses"]
-        );
     }
 
     #[test]

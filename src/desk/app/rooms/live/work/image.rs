@@ -7,13 +7,12 @@ use egui::{Color32, ColorImage};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::shown_samples::CameraFilter;
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::colors::work::{background_at, displayed, histogram_of};
-use crate::app::rooms::live::model::{
-    ColorBy, FrameValues, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCameras,
-};
+use crate::app::rooms::live::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
 use crate::app::rooms::source::model::RATIO_RANGE;
 use crate::app::theme::Tokens;
 use overlook_engine::capture::sighting::tolerances::PAINTED_SAMPLE;
@@ -37,65 +36,6 @@ const DIMMED: f32 = 0.9;
 
 /// Opacity of the two stripes over filled holes: what fills them can be made out between the stripes.
 const HATCHING: [f32; 2] = [0.35, 0.85];
-
-/// The samples of the cameras that are on, kept while they stay the same: renderers know samples by where they are. Their values are
-/// kept, too.
-#[derive(Default)]
-pub(crate) struct CameraFilter {
-    kept: Option<(Arc<SampleSet>, ShownCameras, Arc<SampleSet>)>,
-    values: Option<(LiveKey, Arc<FrameValues>)>,
-}
-
-impl CameraFilter {
-    /// The samples of the cameras that are on; images of others stay in their place, without samples.
-    fn of(&mut self, samples: Arc<SampleSet>, cameras: &ShownCameras) -> Arc<SampleSet> {
-        if cameras.shows_all() {
-            self.kept = None;
-            return samples;
-        }
-        if let Some((of, by, filtered)) = &self.kept
-            && Arc::ptr_eq(of, &samples)
-            && by == cameras
-        {
-            return filtered.clone();
-        }
-        let images = samples.images.iter().map(|image| {
-            if cameras.shows(image.camera as usize) {
-                image.clone()
-            } else {
-                Arc::new(image.without_samples())
-            }
-        });
-        let filtered = Arc::new(SampleSet { images: images.collect(), ..(*samples).clone() });
-        self.kept = Some((samples, cameras.clone(), filtered.clone()));
-        filtered
-    }
-
-    /// The values at the frame that colors show, where they do and the view is at rest.
-    fn values_of(&mut self, key: &LiveKey, job: &Job) -> Result<Option<Arc<FrameValues>>> {
-        let channel = key.display.values.channel_of(&key.samples.values).map(|(channel, _)| channel);
-        let is_shown = key.color_by == ColorBy::Value && key.quality.is_none() && !key.in_motion;
-        let Some(channel) = channel.filter(|_| is_shown) else { return Ok(None) };
-        let known = self.values.as_ref().filter(|(of, values)| {
-            Arc::ptr_eq(&of.samples, &key.samples)
-                && of.vantage.frame == key.vantage.frame
-                && of.cameras == key.cameras
-                && values.channel == channel
-        });
-        if let Some((_, values)) = known {
-            return Ok(Some(values.clone()));
-        }
-        let frame = key.vantage.frame;
-        let all = match &key.playback {
-            None => key.samples.clone(),
-            Some(playback) => playback.at(frame, job)?,
-        };
-        let ascending = output::kept_values(&self.of(all, &key.cameras), frame, channel);
-        let values = Arc::new(FrameValues { channel, ascending });
-        self.values = Some((key.clone(), values.clone()));
-        Ok(Some(values))
-    }
-}
 
 /// Renders and colors the picture of `key`.
 pub(crate) fn paint(

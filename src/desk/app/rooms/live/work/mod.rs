@@ -3,3 +3,4 @@
 pub(crate) mod carry;
 pub(crate) mod image;
 pub(crate) mod schedule;
+pub(crate) mod shown_samples;

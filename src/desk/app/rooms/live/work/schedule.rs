@@ -1,6 +1,7 @@
 //! When the live view is painted, and how: at once and as finely as fits the budget while it moves, in full once it rests. Meanwhile the
 //! last picture is carried to where the view is.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::app::model::State;
@@ -92,8 +93,10 @@ impl LiveSchedule {
         let samples = edited.or_else(|| state.samples_here())?;
         let orbit = state.live.orbit.as_ref()?;
         let frame = state.timeline.frame;
-        let rests_in =
-            self.rests_in(Vantage { camera: state.live_camera(state.live.size)?, frame }, state, changed_at);
+        let vantage = Vantage { camera: state.live_camera(state.live.size)?, frame };
+        let asked = self.asked.as_ref().filter(|_| edited.is_some());
+        let is_marked_anew = asked.is_some_and(|asked| !Arc::ptr_eq(&asked.samples, samples));
+        let rests_in = self.rests_in(vantage, is_marked_anew, state, changed_at);
         let quality = rests_in.is_some().then(|| self.budget.quality());
         let coarse = orbit.size_in_motion(state.live.size);
         // Sampling colors compare samples with pixels, so that they depend on the resolution.
@@ -132,8 +135,15 @@ impl LiveSchedule {
         Some((key, rests_in))
     }
 
-    /// How long until the view rests; `None` once it does.
-    fn rests_in(&mut self, vantage: Vantage, state: &State, changed_at: Option<Instant>) -> Option<Duration> {
+    /// How long until the view rests; `None` once it does. What is selected or cut anew (`is_marked_anew`) is shown at once, as if the
+    /// view had moved.
+    fn rests_in(
+        &mut self,
+        vantage: Vantage,
+        is_marked_anew: bool,
+        state: &State,
+        changed_at: Option<Instant>,
+    ) -> Option<Duration> {
         if self.vantage.as_ref() != Some(&vantage) {
             // The first picture is not in motion.
             self.moved_at = self.vantage.is_some().then(Instant::now);
@@ -143,6 +153,9 @@ impl LiveSchedule {
         if std::mem::replace(&mut self.was_held, is_held) && !is_held {
             // Whoever lets go has arrived.
             self.moved_at = None;
+        }
+        if is_marked_anew {
+            self.moved_at = Some(Instant::now());
         }
         let rest = if is_held { REST_WHILE_HELD } else { REST };
         // While a threshold is dragged the next picture follows at once, too.

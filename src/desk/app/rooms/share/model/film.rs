@@ -13,6 +13,9 @@ pub(crate) struct ComparedFilm {
     pub key: CompareKey,
 }
 
+/// How long a film of a single frame from one viewpoint is, seconds.
+const STILL_SECONDS: f32 = 4.0;
+
 impl State {
     /// How many pictures a film of what is chosen in the dialog has.
     pub(crate) fn film_pictures(&self) -> usize {
@@ -20,17 +23,25 @@ impl State {
         if along_path > 0 || self.share.options.compares.is_none() || self.doc.scene.is_none() {
             return along_path;
         }
+        self.filmed_frames().len()
+    }
+
+    /// The frames of a film from one viewpoint: those that are played; a single one for some seconds.
+    fn filmed_frames(&self) -> Vec<usize> {
         let [first, last] = self.timeline.played(self.frame_count());
-        last - first + 1
+        if first < last {
+            return (first..=last).collect();
+        }
+        vec![first; (STILL_SECONDS * self.timeline.frames_per_second).ceil() as usize]
     }
 
     /// The place of each picture of a film: along the camera path, or where there is none at every played frame.
     pub(crate) fn film_vantages(&self) -> Vec<Vantage> {
         let (size, frames) = (self.export_size(), self.frame_count());
-        let [first, last] = self.timeline.played(frames);
         match self.live_camera(size) {
             Some(camera) if self.doc.path.pictures() == 0 => {
-                (first..=last).map(|frame| Vantage { camera: camera.clone(), frame }).collect()
+                let there = |frame| Vantage { camera: camera.clone(), frame };
+                self.filmed_frames().into_iter().map(there).collect()
             }
             _ => self.doc.path.vantages(size, frames),
         }

@@ -35,11 +35,18 @@ pub(crate) fn paint(
     let mut comparer = Comparer::new(threads.clone());
     let Some(first) = vantages.first() else { return Ok(()) };
     let [width, _] = size(compared, first)?;
+    // What stands still is painted once.
+    let mut last: [Option<(&Vantage, Arc<Picture>)>; 2] = [None, None];
     let side = |side: usize, nth: usize| {
-        let vantage = vantages[nth].clone();
-        let samples = source.samples_for(&vantage, false, job)?;
-        let key = CompareKey { vantage, samples, whole: true, ..compared.key.clone() };
-        Ok(Arc::new(comparer.picture(&key, side, job)?))
+        let vantage = &vantages[nth];
+        if let Some((_, picture)) = last[side].as_ref().filter(|(there, _)| *there == vantage) {
+            return Ok(picture.clone());
+        }
+        let samples = source.samples_for(vantage, false, job)?;
+        let key = CompareKey { vantage: vantage.clone(), samples, whole: true, ..compared.key.clone() };
+        let picture = Arc::new(comparer.picture(&key, side, job)?);
+        last[side] = Some((vantage, picture.clone()));
+        Ok(picture)
     };
     film::paint_compared(compared.how, vantages.len(), pictures_a_second, width, job, side, take)
 }

@@ -9,7 +9,7 @@ use crate::app::model::median_depth;
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::{LiveKey, PixelSource, Unit};
 use crate::app::rooms::live::work::image as live_image;
-use crate::app::rooms::live::work::image::CameraFilter;
+use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::share::model::FigureOptions;
 use crate::app::rooms::source::model::{Overlay, SourceKey};
 use crate::app::rooms::source::work::figure_meaning::{Meaning, of_live, of_source};
