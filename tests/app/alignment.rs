@@ -36,7 +36,7 @@ fn a_camera_that_was_moved_is_told_and_compared_with_what_it_claimed() {
     assert_eq!(moved, 1, "one camera was turned");
     click(&mut window, "Compare before and after");
     settle(&mut window);
-    for (side, shown) in [("Left side", "As claimed"), ("Right side", "Kept samples")] {
+    for (side, shown) in [("Left side", "Uncorrected poses and exposure"), ("Right side", "Kept samples")] {
         let value = window.get_by_label(side).accesskit_node().value();
         assert_eq!(value.as_deref(), Some(shown), "{side}");
     }

@@ -194,7 +194,7 @@ pub(crate) fn copied(window: &mut Window) -> Option<String> {
 
 /// Brings a view to the front by the menu.
 pub(crate) fn open_view(window: &mut Window, view: &str) {
-    click(window, "Views");
+    click(window, "Panels");
     click(window, &format!("Open view {view}"));
     settle(window);
 }

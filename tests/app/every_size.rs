@@ -100,7 +100,7 @@ fn check_every_workspace(window: &mut Window, what: &str, checked: &[usize]) {
 
 /// The views that the menu offers.
 fn views(window: &mut Window) -> Vec<String> {
-    click(window, "Views");
+    click(window, "Panels");
     let entries = window.query_all_by_label_contains("Open view ");
     let names = entries.filter_map(|entry| Some(entry.accesskit_node().label()?.replace("Open view ", "")));
     let names = names.collect();

@@ -84,7 +84,7 @@ fn the_size_of_the_interface_is_found_in_the_menu_of_views() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     let size = |window: &mut Window, name: &str| {
-        click(window, "Views");
+        click(window, "Panels");
         click(window, name);
         window.key_press(Key::Escape);
         window.run_steps(3);

@@ -76,7 +76,7 @@ fn views_open_from_the_menu_and_the_layout_is_reset() {
         assert!(shows(&window, holds), "{view}");
     }
     assert!(shows(&window, "Pruned the capture"), "the log is shown until then");
-    click(&mut window, "Views");
+    click(&mut window, "Panels");
     click(&mut window, "Reset layout");
     settle(&mut window);
     assert!(!shows(&window, "Pruned the capture") && window.query_by_label("Stress test").is_none());
@@ -267,7 +267,7 @@ fn a_sweep_draws_its_points_as_they_come_and_is_cancelled() {
     measure(&mut window, "Run a sweep…");
     wait(&mut window, "the first points", |window| shows(window, "2 settings; click one to apply it"));
     assert!(window.query_by_label("Sweep chart").is_some());
-    assert!(shows(&window, "settings it started from") && shows(&window, "Pareto front"));
+    assert!(shows(&window, "your settings") && shows(&window, "Pareto front"));
     assert!(shows(&window, "Sweep: "), "the line at the bottom");
     pick(&mut window, "X axis", "Rendering a view, ms");
     window.key_press(Key::Escape);

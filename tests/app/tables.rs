@@ -71,7 +71,7 @@ fn series_are_left_out_by_their_entries_in_the_legend_and_axes_change_their_scal
         let hint = hint.accesskit_node().label().unwrap();
         hint.split(' ').next().unwrap().parse().unwrap()
     };
-    let series = "settings it started from";
+    let series = "your settings";
     let all = points(&window);
     assert!(is_on(&window, series) && !shows(&window, "left out"));
     click(&mut window, series);

@@ -85,7 +85,7 @@ fn a_key_and_an_entry_of_the_menu_fill_the_screen_and_leave_it() {
     assert_eq!(asked_for_full_screen(&mut window), Some(true));
     window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default().fullscreen = Some(true);
     window.run_steps(2);
-    click(&mut window, "Views");
+    click(&mut window, "Panels");
     window.get_by_label("Full screen").click();
     assert_eq!(asked_for_full_screen(&mut window), Some(false));
 }
@@ -102,7 +102,7 @@ fn panels_hide_and_come_back_where_they_were() {
         let after = size_of_live_picture(&window);
         assert!(after.x * after.y > 1.2 * before.x * before.y, "{hidden}: {after}");
     }
-    click(&mut window, "Views");
+    click(&mut window, "Panels");
     click(&mut window, "Show Source picture");
     window.key_press(Key::Escape);
     settle(&mut window);
@@ -111,7 +111,7 @@ fn panels_hide_and_come_back_where_they_were() {
     settle(&mut window);
     assert_eq!((size_of_live_picture(&window), window.state().observed().views_in_sight), (docked, seen));
     assert!(shows(&window, "Samples kept"));
-    click(&mut window, "Views");
+    click(&mut window, "Panels");
     click(&mut window, "Show figures");
     window.key_press(Key::Escape);
     window.run_steps(3);
@@ -143,7 +143,7 @@ fn each_workspace_shows_what_it_is_for() {
     click(&mut window, "Workspace: Explore");
     settle(&mut window);
     assert!(window.state().observed().views_in_sight.contains(&"Log"), "a workspace is found as it was left");
-    click(&mut window, "Views");
+    click(&mut window, "Panels");
     click(&mut window, "Reset layout");
     settle(&mut window);
     assert!(!window.state().observed().views_in_sight.contains(&"Log"));

@@ -264,13 +264,10 @@ pub(crate) fn menu(
             ("View from it", Command::View(ViewCommand::JumpTo(camera))),
             ("Show its picture", Command::Source(SourceCommand::Camera(camera))),
             (
-                if is_solo { "All cameras again" } else { "Its samples alone" },
+                if is_solo { "All cameras again" } else { "Solo" },
                 Command::View(ViewCommand::Solo((!is_solo).then_some(camera))),
             ),
-            (
-                if shows { "Leave its samples out" } else { "Show its samples" },
-                Command::View(ViewCommand::CameraOn(camera, !shows)),
-            ),
+            (if shows { "Hide" } else { "Show" }, Command::View(ViewCommand::CameraOn(camera, !shows))),
         ] {
             if ui.button(name).clicked() {
                 commands.push(command);

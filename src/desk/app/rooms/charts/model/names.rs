@@ -14,7 +14,7 @@ pub(crate) fn settings_alone(point: &Point) -> Option<&Settings> {
 }
 
 /// The start of a sweep in the window: the settings on the sliders.
-const START: &str = "settings it started from";
+const START: &str = "your settings";
 
 /// Name of a series in the window.
 pub(crate) fn series_name(series: Series) -> &'static str {
@@ -26,6 +26,7 @@ pub(crate) fn method_name(method: &str) -> &str {
     match method {
         "ours" => START,
         "paper" => "as in the paper",
+        "without defenses" => "noise handling off",
         other => other,
     }
 }
@@ -62,7 +63,7 @@ mod tests {
     fn a_stress_test_starts_from_the_same_settings() {
         assert_eq!(
             ["ours", "paper", "without defenses"].map(method_name),
-            [START, "as in the paper", "without defenses"]
+            [START, "as in the paper", "noise handling off"]
         );
     }
 }

@@ -182,7 +182,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
     let names = distinct(charts.stress.iter().map(|point| point.disturbance.as_str()));
     let Some(first) = names.first() else {
         let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \
-                    when accuracy breaks: with these settings, without defenses, and as in the paper.";
+                    when accuracy breaks: with these settings, with noise handling off, and as in the paper.";
         no_points_ui(ui, state, Study::Stress, ICON_MONITORING, text, commands);
         return;
     };

@@ -45,7 +45,7 @@ impl CompareSide {
         (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
         (
             Self::AsClaimed,
-            "As claimed",
+            "Uncorrected poses and exposure",
             "After pruning, with poses, lens and exposure as the capture claims them.",
         ),
         (Self::A, "Settings A", "After pruning with settings A."),

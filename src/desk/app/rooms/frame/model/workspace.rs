@@ -44,7 +44,7 @@ pub(crate) struct WindowLook {
     pub maximized: Option<DockView>,
     /// What is hidden of the workspace.
     pub hidden: Vec<Area>,
-    /// Whether the figures above the views are hidden.
+    /// Whether the summary bar above the views is hidden.
     pub hides_totals: bool,
 }
 

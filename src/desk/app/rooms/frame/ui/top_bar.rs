@@ -138,7 +138,7 @@ fn demo_menu_ui(ui: &mut Ui, commands: &mut Commands) {
 }
 
 fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    menu_ui(ui, ICON_DASHBOARD, "Views", |ui| {
+    menu_ui(ui, ICON_DASHBOARD, "Panels", |ui| {
         // In two columns, so that all of the menu fits a window 640 points high.
         egui::Grid::new("views").num_columns(2).show(ui, |ui| {
             for (nth, (view, name, help)) in DockView::ALL.into_iter().enumerate() {

@@ -29,11 +29,7 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     }
     let hides = state.look.hides_totals;
     let verb = if hides { "Show" } else { "Hide" };
-    entries.push((
-        format!("{verb} the figures above the views"),
-        "",
-        Command::Window(WindowCommand::ShowTotals(hides)),
-    ));
+    entries.push((format!("{verb} the summary bar"), "", Command::Window(WindowCommand::ShowTotals(hides))));
     entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
     let copy = Command::Share(ShareCommand::CopyFigure);
     entries.push(("Copy figure to the clipboard".to_owned(), "Ctrl+Shift+F", copy));

@@ -145,7 +145,7 @@ fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
 }
 
 fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
-    heading_ui(ui, "Moving and measuring");
+    heading_ui(ui, "Navigation");
     grid_ui(ui, "moving", |ui| {
         ui.label("Fly speed");
         let mut speed = state.live.fly_speed;

@@ -111,7 +111,7 @@ pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
         Some(Outcome::OutsideView) => ("out of view", "The point falls outside this camera's picture."),
         Some(Outcome::NoDepth) => ("no depth", "The camera recorded no depth where the point falls."),
         Some(Outcome::ShorterSpan) => (
-            "shorter span",
+            "stored for fewer frames",
             "It shows the same surface point, but for a shorter span, and a shorter span never replaces a longer one.",
         ),
         Some(Outcome::Occluded) => {
@@ -122,7 +122,7 @@ pub(crate) fn sees(row: &CameraEvidence) -> (&'static str, &'static str) {
             "The camera recorded only farther surfaces around the point, so that the point would be in empty space: it contradicts the sample.",
         ),
         Some(Outcome::SeesPast) => (
-            "sees farther",
+            "looks past this point",
             "The camera recorded something farther where the point falls, but may have missed the surface: that contradicts nothing.",
         ),
         Some(Outcome::NormalDiffers) => {
@@ -377,7 +377,7 @@ mod tests {
         let sees_with = |vote| sees(&CameraEvidence { vote, ..row(Some(Outcome::SeesPast)) });
         assert_eq!(sees_with(Some(Vote::LooksPast)).0, "misses (empty space)");
         let (words, why) = sees_with(Some(Vote::CannotTell));
-        assert!(words == "sees farther" && why.ends_with("that contradicts nothing."));
+        assert!(words == "looks past this point" && why.ends_with("that contradicts nothing."));
     }
 
     #[test]

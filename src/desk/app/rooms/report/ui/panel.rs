@@ -79,7 +79,7 @@ fn rule_words(rule: &str) -> (String, &'static str) {
         "tie" => ("Seen equally well", "Equal rates: the earlier camera's sample stays."),
         "later_camera" => ("Seen by an earlier camera", "First camera wins, whatever the sampling rate."),
         "mixed_yields" => (
-            "Mixed at a silhouette",
+            "Edge-blended, another is clean",
             "Color or depth is blended across an edge, and a clean sample shows the point.",
         ),
         "unsure_yields" => (
@@ -87,7 +87,7 @@ fn rule_words(rule: &str) -> (String, &'static str) {
             "The normal is not known here, and a sample with a known normal shows the point.",
         ),
         "mixed_dropped" => (
-            "Mixed, dropped",
+            "Edge-blended, rejected",
             "Color or depth is blended across an edge, and the settings drop such samples.",
         ),
         "contradicted" => (
