@@ -234,9 +234,7 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     commands.extend(pressed(ctx, Modifiers::COMMAND, Key::D).then_some(Command::View(ViewCommand::Keep)));
     for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
-        if pressed(ctx, Modifiers::ALT, key) {
-            commands.push(Command::View(command));
-        }
+        commands.extend(pressed(ctx, Modifiers::ALT, key).then_some(Command::View(command)));
     }
     for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
         if pressed(ctx, Modifiers::COMMAND, key) {
