@@ -29,7 +29,7 @@ fn stored() -> tempfile::TempDir {
     for entry in manifest["frames"].as_array_mut().unwrap() {
         let named = |camera: &overlook_engine::capture::Camera| camera.name == entry["camera"];
         let camera = capture.cameras.iter().position(named).unwrap();
-        let number = entry["frame"].as_i64().unwrap();
+        let number = entry["time"].as_f64().unwrap() as i64;
         let frame = capture.frame(camera, capture.frame_numbers.binary_search(&number).unwrap()).unwrap();
         let height = |(pixel, inverse): (usize, &f32)| {
             let center = DVec2::new((pixel % SIZE.0) as f64 + 0.5, (pixel / SIZE.0) as f64 + 0.5);
@@ -58,7 +58,7 @@ fn stored() -> tempfile::TempDir {
     views["frames"] = json!([first.clone(), first]);
     let frames = views["frames"].as_array_mut().unwrap();
     for (number, view) in capture.frame_numbers.iter().zip(frames) {
-        view["frame"] = json!(number);
+        view["time"] = json!(number);
     }
     std::fs::write(folder.path().join("path.json"), views.to_string()).unwrap();
     folder

@@ -5,7 +5,7 @@ use std::sync::{Arc, Weak};
 use super::environment::{Environment, SkySums};
 use super::fill::{TestedHoles, fill_tested};
 use super::free_space::{MarkPlanes, RayTest, SeenDepths, cameras_to_ask, mark_holes};
-use super::geometry::focal;
+use super::input::focal;
 use super::input::{FrameImages, FrameSamples};
 use super::stage_times::{Stage, StageClock};
 use super::vantage::{FrontColor, Picture, Vantage};

@@ -18,94 +18,6 @@ use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::rooms::source::model::SourceCommand;
 use crate::app::rooms::timeline::model::TimeCommand;
 
-/// A heading, and keys or mouse actions with what they do.
-pub(crate) type Shortcuts = (&'static str, &'static [(&'static str, &'static str)]);
-
-/// Keys, mouse actions and what they do, for the help.
-pub(crate) const HELP: &[Shortcuts] = &[
-    (
-        "Anywhere",
-        &[
-            ("Ctrl + P", "find any command by name"),
-            ("?", "keyboard and mouse shortcuts"),
-            ("Ctrl + O", "open a file"),
-            ("Ctrl + S, Ctrl + E", "share the store, or in another way"),
-            ("Ctrl + Z, Ctrl + Y", "undo, redo"),
-            ("Shift + Space", "maximize the view under the pointer, or restore it"),
-            ("F11", "full screen"),
-            ("Ctrl + 1 – 4", "workspaces"),
-            ("Ctrl + B, Ctrl + J", "hide or show the side panel, the lower panel"),
-            ("Ctrl + +, −, 0", "interface size: larger, smaller, normal"),
-            ("Esc", "close a message, cancel, or unpin the pixel"),
-            ("Ctrl + Q", "quit"),
-        ],
-    ),
-    (
-        "Time and cameras",
-        &[
-            ("Space", "play or pause"),
-            (", and . or the arrows", "step back and forward; arrows with Shift ten frames"),
-            ("Ctrl + Home, Ctrl + End", "first and last frame"),
-            ("I, O, Shift + I", "loop from here, loop to here, loop over all frames"),
-            ("Shift + M", "mark this frame, or take its marker away"),
-            ("Ctrl + arrows", "previous and next marker"),
-            ("1 – 9", "show a camera"),
-            ("Shift + 1 – 9", "view from a camera"),
-            ("K", "add a key to the camera path"),
-        ],
-    ),
-    (
-        "Pixel",
-        &[
-            ("Click", "pin the pixel under the pointer"),
-            ("P", "pin or unpin the pixel"),
-            ("F", "center view on the selected pixel"),
-            ("Ctrl + Shift + C, F", "copy the explanation, or a figure of the view"),
-        ],
-    ),
-    (
-        "Live view",
-        &[
-            ("Drag", "orbit"),
-            ("Right drag, middle drag, Shift + drag", "pan"),
-            ("Wheel", "zoom to the pointer"),
-            ("W A S D, Q E", "fly, down and up; faster with Shift"),
-            ("[ and ]", "fly slower, faster"),
-            ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
-            ("M", "measure a distance between two points"),
-            ("Ctrl + C, V, D", "copy the view as text, go to a copied view, keep the view"),
-            ("Home, double-click", "reset to the start view"),
-            ("H", "hatch holes, or fill them"),
-        ],
-    ),
-    (
-        "Edits",
-        &[
-            ("R, L, B, T", "select: rectangle, lasso, brush, surface"),
-            ("[ and ], Shift + B", "size of the brush, mask"),
-            ("G, Shift + G, Ctrl + I", "grow, shrink, invert"),
-            ("Delete", "delete what is selected"),
-        ],
-    ),
-    (
-        "Source and Compare",
-        &[
-            ("Wheel", "zoom to the pointer"),
-            ("Drag", "pan; in a wipe, move the line"),
-            ("Double-click", "fit the picture"),
-            ("X", "show the other side of a comparison"),
-        ],
-    ),
-    (
-        "Cameras",
-        &[
-            ("Click on a picture", "show the camera in the source view"),
-            ("Click on a camera in the live view", "the same; double-click and right-click too"),
-            ("Double-click", "view from the camera"),
-        ],
-    ),
-];
-
 /// Distance flown per second, in pivot distances.
 const FLY_PER_SECOND: f64 = 0.6;
 
@@ -197,11 +109,12 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
 }
 
 fn undo_keys(ctx: &egui::Context) -> Option<Command> {
-    let again = [(Modifiers::COMMAND, Key::Y), (Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)];
-    if again.into_iter().any(|(modifiers, key)| pressed(ctx, modifiers, key)) {
-        return Some(Command::Redo);
-    }
-    pressed(ctx, Modifiers::COMMAND, Key::Z).then_some(Command::Undo)
+    let keys = [
+        (Modifiers::COMMAND, Key::Y, Command::Redo),
+        (Modifiers::COMMAND | Modifiers::SHIFT, Key::Z, Command::Redo),
+        (Modifiers::COMMAND, Key::Z, Command::Undo),
+    ];
+    keys.into_iter().find(|(modifiers, key, _)| pressed(ctx, *modifiers, *key)).map(|(.., command)| command)
 }
 
 /// Keys that work while text is typed as well.
@@ -232,9 +145,14 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
 
 /// Keys that hide and show what surrounds the views.
 fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    commands.extend(pressed(ctx, Modifiers::COMMAND, Key::D).then_some(Command::View(ViewCommand::Keep)));
-    for (key, command) in [(Key::ArrowLeft, ViewCommand::Back), (Key::ArrowRight, ViewCommand::Forward)] {
-        commands.extend(pressed(ctx, Modifiers::ALT, key).then_some(Command::View(command)));
+    for (modifiers, key, command) in [
+        (Modifiers::ALT, Key::ArrowLeft, ViewCommand::Back),
+        (Modifiers::ALT, Key::ArrowRight, ViewCommand::Forward),
+        (Modifiers::COMMAND, Key::D, ViewCommand::Keep),
+    ] {
+        if pressed(ctx, modifiers, key) {
+            commands.push(Command::View(command));
+        }
     }
     for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
         if pressed(ctx, Modifiers::COMMAND, key) {

@@ -2,7 +2,7 @@
 
 use super::rays::HoleNeighbors;
 use crate::capture::Camera;
-use crate::render::geometry::focal;
+use crate::render::input::focal;
 use crate::render::vantage::Picture;
 use crate::settings::RenderSettings;
 use crate::simd::joined;

@@ -3,8 +3,9 @@
 use super::seen_depth::{FreeDepths, SeenDepths, UNSEEN};
 use crate::capture::Camera;
 use crate::capture::overlap::nearest_first;
-use crate::render::geometry::{Projector, focal};
+use crate::render::geometry::Projector;
 use crate::render::input::LaneValues;
+use crate::render::input::focal;
 use crate::samples::halved_camera;
 use crate::simd::{LANES, joined, whole};
 

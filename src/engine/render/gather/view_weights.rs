@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use crate::capture::{Camera, Projection};
-use crate::render::geometry::{Projector, RelativeWidth, growth_along, rays_in_world};
+use crate::render::geometry::{Projector, growth_along, rays_in_world};
+use crate::render::input::RelativeWidth;
 use crate::render::input::{CellTable, FrameSamples, LaneValues, Lookup};
 use crate::settings::RenderSettings;
 use crate::simd::LANES;

@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::capture::Camera;
-use crate::render::geometry::{Projector, focal};
+use crate::render::geometry::Projector;
+use crate::render::input::focal;
 
 /// `Stage` in `stage.wgsl`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

@@ -13,8 +13,9 @@ use super::target::GpuTarget;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::render::gather::full_coverage;
-use crate::render::geometry::{focal, growth_along, rays_in_world};
+use crate::render::geometry::{growth_along, rays_in_world};
 use crate::render::input::FrameSamples;
+use crate::render::input::focal;
 use crate::samples::{SampleImage, TILE};
 use crate::settings::{Kernel, RenderSettings};
 

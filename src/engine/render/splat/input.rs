@@ -4,8 +4,9 @@ use glam::Vec3;
 
 use crate::capture::Camera;
 use crate::job::Job;
-use crate::render::geometry::{Projector, RelativeWidth, RowBand, focal, rays_in_world};
+use crate::render::geometry::{Projector, RowBand, rays_in_world};
 use crate::render::input::FrameSamples;
+use crate::render::input::{RelativeWidth, focal};
 use crate::settings::{Kernel, RenderSettings};
 
 /// What the stages of one picture share.

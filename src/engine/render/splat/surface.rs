@@ -10,9 +10,10 @@ use super::input::{StageInput, split_at_bands};
 use super::zkey::{CORE, TRUSTED, key, nearness};
 use crate::error::Result;
 use crate::render::geometry::{
-    CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RelativeWidth,
-    RowBand, footprints,
+    CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,
+    footprints,
 };
+use crate::render::input::RelativeWidth;
 use crate::render::input::{DenseTile, slopes};
 use crate::samples::TILE;
 use crate::settings::Kernel;

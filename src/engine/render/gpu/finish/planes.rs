@@ -2,11 +2,12 @@
 
 use super::painted::Painted;
 use crate::error::Result;
-use crate::render::geometry::{focal, rays_in_world};
+use crate::render::geometry::rays_in_world;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCellView, GpuFinish};
 use crate::render::gpu::pipelines::{bind, first_of};
 use crate::render::gpu::scene::{list, numbers_at, uniform_at};
+use crate::render::input::focal;
 use bytemuck::Zeroable;
 use wgpu::BufferUsages as Usage;
 

@@ -2,11 +2,10 @@
 
 use egui::{Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
 
-use crate::app::control::keyboard;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::frame::model::WindowCommand;
-use crate::app::rooms::help::model::HelpPage;
+use crate::app::rooms::help::model::{HELP, HelpPage};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
 use overlook_engine::capture::known_sources;
@@ -160,7 +159,7 @@ fn sources_ui(ui: &mut Ui) {
 fn shortcuts_ui(ui: &mut Ui) {
     ui.horizontal_top(|ui| {
         // The first groups are the longest.
-        let (left, right) = keyboard::HELP.split_at(keyboard::HELP.len() / 2);
+        let (left, right) = HELP.split_at(HELP.len() / 2);
         for groups in [left, right] {
             ui.vertical(|ui| {
                 ui.spacing_mut().interact_size.y = SHORTCUT_ROW;

@@ -39,7 +39,7 @@ impl State {
     pub(crate) fn film_vantages(&self) -> Vec<Vantage> {
         let (size, frames) = (self.export_size(), self.frame_count());
         match self.live_camera(size) {
-            Some(camera) if self.doc.path.pictures() == 0 => {
+            Some(camera) if self.doc.path.pictures() == 0 && self.share.options.compares.is_some() => {
                 let there = |frame| Vantage { camera: camera.clone(), frame };
                 self.filmed_frames().into_iter().map(there).collect()
             }
