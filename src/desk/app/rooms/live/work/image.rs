@@ -258,6 +258,7 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::rooms::live::model::ShownCameras;
     use glam::DVec3;
     use overlook_engine::capture::{Camera, Intrinsics};
     use overlook_engine::render::Vantage;
