@@ -177,10 +177,11 @@ fn every_command_that_makes_something_of_a_store_or_of_recorded_pictures_obeys_a
         }
         let all = |kind: &str| -> Vec<Vec<u8>> {
             let mut files = walk(&folder.join(kind));
+            files.retain(|file| file.starts_with(folder.join(kind).join(name)));
             files.sort();
             files.iter().map(|file| std::fs::read(file).unwrap()).collect()
         };
-        assert_ne!(all("whole"), all("edited"), "{name}");
+        assert!(!all("whole").is_empty() && all("whole") != all("edited"), "{name}");
         let refused = with(&format!("refused/{name}"), &["--edits", "asking.toml"]);
         let said = String::from_utf8(refused.stderr).unwrap();
         assert!(

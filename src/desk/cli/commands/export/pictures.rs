@@ -57,6 +57,7 @@ pub(crate) struct FilmArgs {
     #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with = "projection")]
     orthographic: Option<f64>,
     /// Show this store beside the first from the same places: one of the same frames, as of the same scene with other settings.
+    /// It is shown as it is: edits act on the first.
     #[arg(long, value_name = "STORE", conflicts_with = "projection")]
     compare: Option<PathBuf>,
     /// How two stores are compared.
