@@ -147,7 +147,7 @@ fn every_stage_works_or_says_in_one_line_why_not() {
     succeed(here, &["render", "scene.ovl", "--views", "capture", "--out", "pictures"]);
     succeed(here, &["evaluate", "capture", "--hold-out", "side"]);
     succeed(here, &["export", "points", "scene.ovl", "--out", "points.ply"]);
-    succeed(here, &["export", "splats", "scene.ovl", "--out", "splats.ply"]);
+    succeed(here, &["export", "splats", "scene.ovl", "--format", "ply", "--out", "splats.ply"]);
     let refused = |arguments: &[&str], what: &str| {
         let said = fail(here, arguments, 1);
         assert!(said.contains(what), "{said}");

@@ -30,6 +30,7 @@ mod magnified;
 mod orthographic;
 mod painter;
 mod recorded_rates;
+mod relative_width;
 mod renderer;
 mod resolve;
 mod splat;

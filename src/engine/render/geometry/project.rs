@@ -12,6 +12,7 @@
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 
 use crate::capture::{Camera, Projection};
+use crate::render::relative_width::focal;
 use crate::samples::TILE;
 
 /// Carries pixels of one camera, with their inverse depths, into another.
@@ -43,36 +44,6 @@ pub(crate) struct ProjectedRow {
     /// `1 / P.z`: not positive behind the target camera. Times the source's inverse depth it is the target's; for any
     /// depth it is the distance from the source over that from the target.
     pub(crate) reciprocal: [f32; TILE],
-}
-
-/// A number of pixels of a camera along the line of sight, as a share of the depth: in perspective a constant, of an orthographic camera
-/// in proportion to the inverse depth.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RelativeWidth {
-    constant: f32,
-    per_inverse_depth: f32,
-}
-
-impl RelativeWidth {
-    /// So many pixels of a camera.
-    pub(crate) fn of(pixels: f32, camera: &Camera) -> Self {
-        let width = pixels / focal(camera);
-        match camera.intrinsics.projection {
-            Projection::Perspective => Self { constant: width, per_inverse_depth: 0.0 },
-            Projection::Orthographic => Self { constant: 0.0, per_inverse_depth: width },
-        }
-    }
-
-    /// At an inverse depth. In perspective the bits of the constant.
-    #[inline(always)]
-    pub(crate) fn at(self, inverse_depth: f32) -> f32 {
-        self.constant + self.per_inverse_depth * inverse_depth
-    }
-}
-
-/// Mean focal length in pixels.
-pub(crate) fn focal(camera: &Camera) -> f32 {
-    (camera.intrinsics.fx * camera.intrinsics.fy).sqrt() as f32
 }
 
 /// World-space ray, the same for all pixels of an orthographic camera, of the point `(first, first)` of a picture, and its growth by column and row.

@@ -1,7 +1,7 @@
 //! A tile of samples as 16×16 pixels, and the slope of its surface.
 
 use super::frame_tile::FrameTile;
-use crate::render::geometry::RelativeWidth;
+use crate::render::relative_width::RelativeWidth;
 use crate::samples::{TILE, TILE_SAMPLES};
 
 /// Marks a pixel without a sample.
