@@ -38,7 +38,10 @@ fn the_words_of_several_programs_say_that_a_camera_is_orthographic() {
         (json!({"camera_model": "ORTHOGRAPHIC", "fl_x": 2.5}), 2.5),
         (json!({"camera_model": "orthographic", "fl_y": 2.5}), 2.5),
         (json!({"orthographic": true, "fl_x": 2.5}), 2.5),
-        (json!({"camera_type": "ORTHO", "ortho_scale": 3.0, "camera_angle_x": 0.7}), longer / 3.0),
+        (
+            json!({"camera_type": "ORTHO", "ortho_scale": 3.0, "camera_angle_x": 0.7, "camera_angle_y": 0.5}),
+            longer / 3.0,
+        ),
     ] {
         let capture = folder.open(json!({}), &[bare("a", &keys)]).unwrap();
         let lens = capture.cameras[0].intrinsics;

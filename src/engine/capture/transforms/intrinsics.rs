@@ -23,13 +23,15 @@ pub(super) fn intrinsics(
     let (width, height) = picture_size(keys, size, place)?;
     let (w, h) = (f64::from(width), f64::from(height));
     let projection = keys.lens.projection(keys.camera_model.as_deref());
-    if projection == Projection::Orthographic {
+    let own;
+    let keys = if projection == Projection::Orthographic {
         refuse_for_orthographic(keys, place)?;
-    }
+        own = orthographic_keys(keys, w.max(h));
+        &own
+    } else {
+        keys
+    };
     let degrees = |value: Option<f64>| value.map(f64::to_radians);
-    let scale = keys.lens.ortho_scale().filter(|_| projection == Projection::Orthographic);
-    let scaled = scale.map(|scale| w.max(h) / scale);
-    let keys = &Keys { fl_x: keys.fl_x.or(scaled), ..keys.clone() };
     let fx = focal_px(keys.fl_x, "camera_angle_x", keys.camera_angle_x, w, place)?;
     let fx = focal_px(fx, "x_fov, in radians,", degrees(keys.x_fov), w, place)?;
     let fy = focal_px(keys.fl_y, "camera_angle_y", keys.camera_angle_y, h, place)?;
@@ -71,6 +73,20 @@ pub(super) fn intrinsics(
         }
     }
     Ok(Intrinsics { width, height, fx, fy, cx, cy, projection })
+}
+
+/// The keys of an orthographic camera whose picture has a longer side of so many pixels: its scale as `fl_x`, without angles, which
+/// exporters write whatever the camera is.
+fn orthographic_keys(keys: &Keys, longer_side: f64) -> Keys {
+    let scaled = keys.lens.ortho_scale().map(|scale| longer_side / scale);
+    Keys {
+        fl_x: if keys.fl_y.is_some() { keys.fl_x } else { keys.fl_x.or(scaled) },
+        camera_angle_x: None,
+        camera_angle_y: None,
+        x_fov: None,
+        y_fov: None,
+        ..keys.clone()
+    }
 }
 
 /// Refuses keys that mean nothing for an orthographic camera, or are not read for one.
