@@ -164,7 +164,10 @@ fn films_pictures_and_figures_are_colored_by_value_in_one_range_with_a_scalar_ba
 
     export("video", "film.mp4", &["--color-by", "z/m"]);
     let film = std::fs::read(here.join("film.mp4")).unwrap();
-    let entry = film.windows(4).position(|name| name == b"avc1").map(|at| &film[at + 28..at + 32]).unwrap();
+    // The entry of the sample table, not the brand that the file begins with.
+    let after = |bytes: &'_ [u8], name: &[u8]| bytes.windows(4).position(|it| it == name).unwrap() + 4;
+    let table = &film[after(&film, b"stsd")..];
+    let entry = &table[after(table, b"avc1") + 24..][..4];
     let [columns, rows] = [&entry[..2], &entry[2..]].map(|side| u32::from(side[0]) << 8 | u32::from(side[1]));
     assert_eq!((columns, rows), first.dimensions());
 
