@@ -11,7 +11,7 @@ use crate::app::rooms::edits::model::{EditCommand, EditTool};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
 use crate::app::rooms::help::model::{CommandPalette, HelpPage};
-use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::live::model::{KeptViewCommand, ViewCommand};
 use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
@@ -148,7 +148,7 @@ fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     for (modifiers, key, command) in [
         (Modifiers::ALT, Key::ArrowLeft, ViewCommand::Back),
         (Modifiers::ALT, Key::ArrowRight, ViewCommand::Forward),
-        (Modifiers::COMMAND, Key::D, ViewCommand::Keep),
+        (Modifiers::COMMAND, Key::D, ViewCommand::Kept(KeptViewCommand::Keep)),
     ] {
         if pressed(ctx, modifiers, key) {
             commands.push(Command::View(command));

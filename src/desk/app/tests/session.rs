@@ -4,7 +4,7 @@ use super::*;
 use crate::app::model::SceneSource;
 use crate::app::rooms::files::model::{FileCommand, Opening};
 use crate::app::rooms::frame::model::{WindowCommand, Workspace};
-use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::live::model::{KeptViewCommand, ViewCommand};
 use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::tests::edits::{delete, open};
@@ -52,7 +52,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     for (frame, angle) in [(0, 0.1), (2, -0.2)] {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(angle, 0.05))));
-        app.apply(Command::View(ViewCommand::Keep));
+        app.apply(Command::View(ViewCommand::Kept(KeptViewCommand::Keep)));
         app.apply(Command::Path(PathCommand::AddKey));
     }
     app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
@@ -74,7 +74,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     let kept = &other.state.doc.kept_views;
     assert!(kept.len() == 2 && kept.iter().all(|kept| kept.picture.is_none()));
     let left = other.state.live.orbit.clone();
-    other.apply(Command::View(ViewCommand::GoToKept(0)));
+    other.apply(Command::View(ViewCommand::Kept(KeptViewCommand::GoTo(0))));
     settle(&mut other);
     let is_pictured = |app: &OverlookApp| -> Vec<bool> {
         app.state.doc.kept_views.iter().map(|kept| kept.picture.is_some()).collect()

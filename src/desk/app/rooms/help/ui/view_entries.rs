@@ -6,7 +6,7 @@ use crate::app::model::{Command, State};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
-use crate::app::rooms::live::model::{FrameGuide, Guides, UP_DIRECTIONS, ViewCommand};
+use crate::app::rooms::live::model::{FrameGuide, Guides, KeptViewCommand, UP_DIRECTIONS, ViewCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::rooms::timeline::model::TimeCommand;
 
@@ -58,10 +58,10 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         let guides = Guides { frame: guide, ..state.live.guides };
         entries.push((format!("Frame guide: {name}"), "", Command::View(ViewCommand::Guides(guides))));
     }
-    entries.push(("Keep view".to_owned(), "Ctrl+D", Command::View(ViewCommand::Keep)));
+    entries.push(("Keep view".to_owned(), "Ctrl+D", Command::View(ViewCommand::Kept(KeptViewCommand::Keep))));
     let kept = state.doc.kept_views.iter().enumerate();
     entries.extend(kept.map(|(index, kept)| {
-        (format!("Go to {}", kept.name), "", Command::View(ViewCommand::GoToKept(index)))
+        (format!("Go to {}", kept.name), "", Command::View(ViewCommand::Kept(KeptViewCommand::GoTo(index))))
     }));
     let cameras = state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
     entries.extend(cameras.map(|(index, camera)| {

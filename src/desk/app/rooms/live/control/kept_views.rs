@@ -4,33 +4,34 @@ use egui::TextureOptions;
 
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::files::model::smaller;
-use crate::app::rooms::live::model::{KeptView, ViewCommand, next_name};
+use crate::app::rooms::live::model::{KeptView, KeptViewCommand, next_name};
 
 impl OverlookApp {
     /// Carries out what concerns views that are kept.
-    pub(super) fn apply_to_kept_views(&mut self, command: ViewCommand) {
+    pub(super) fn apply_to_kept_views(&mut self, command: KeptViewCommand) {
         let kept = &mut self.state.doc.kept_views;
         match command {
-            ViewCommand::Keep => {
+            KeptViewCommand::Keep => {
                 let name = next_name(kept);
                 let Some(view) = self.view_address() else { return };
                 self.state.doc.kept_views.push(KeptView { name, view, picture: None });
                 self.picture_kept_views();
             }
-            ViewCommand::GoToKept(index) => {
+            KeptViewCommand::GoTo(index) => {
                 let Some((scene, kept)) = self.state.doc.scene.clone().zip(kept.get(index)) else { return };
                 let view = kept.view.clone();
                 self.go_to_view(&scene, &view);
             }
-            ViewCommand::RenameKept(index, name) => {
+            KeptViewCommand::Rename(index, name) => {
                 if let Some(kept) = kept.get_mut(index) {
                     kept.name = name;
                 }
             }
-            ViewCommand::RemoveKept(index) if index < kept.len() => {
-                kept.remove(index);
+            KeptViewCommand::Remove(index) => {
+                if index < kept.len() {
+                    kept.remove(index);
+                }
             }
-            _ => {}
         }
     }
 

@@ -24,10 +24,7 @@ impl OverlookApp {
             ViewCommand::GoToAddress(text) => self.go_to_address(&text),
             ViewCommand::Back => self.step_view(true),
             ViewCommand::Forward => self.step_view(false),
-            command @ (ViewCommand::Keep
-            | ViewCommand::GoToKept(_)
-            | ViewCommand::RenameKept(..)
-            | ViewCommand::RemoveKept(_)) => self.apply_to_kept_views(command),
+            ViewCommand::Kept(command) => self.apply_to_kept_views(command),
             ViewCommand::Paste => self.ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             ViewCommand::Pasted(text) => self.paste_view(&text),
             ViewCommand::Guides(guides) => live.guides = guides,

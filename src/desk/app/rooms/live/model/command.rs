@@ -25,12 +25,8 @@ pub(crate) enum ViewCommand {
     Back,
     /// To the view that was left by going back.
     Forward,
-    /// Put the view into the list of those that are kept.
-    Keep,
-    /// Go to a kept view, by its place in the list.
-    GoToKept(usize),
-    RenameKept(usize, String),
-    RemoveKept(usize),
+    /// What concerns views that are kept.
+    Kept(KeptViewCommand),
     /// Ask the system for what was copied.
     Paste,
     /// Take what was copied.
@@ -75,6 +71,17 @@ pub(crate) enum ViewCommand {
     CopyPicture,
     /// Center the live view on the selected pixel.
     FramePoint,
+}
+
+/// What can be done with views that are kept, by their index in the list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum KeptViewCommand {
+    /// Put the view into the list of those that are kept.
+    Keep,
+    /// Go to a kept view, by its place in the list.
+    GoTo(usize),
+    Rename(usize, String),
+    Remove(usize),
 }
 
 impl ViewCommand {

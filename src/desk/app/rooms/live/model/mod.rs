@@ -11,7 +11,7 @@ pub(crate) mod seen_picture;
 pub(crate) mod view_history;
 pub(crate) mod view_look;
 
-pub(crate) use command::ViewCommand;
+pub(crate) use command::{KeptViewCommand, ViewCommand};
 pub(crate) use kept_views::{KeptView, next_name};
 pub(crate) use motion_budget::MotionBudget;
 pub(crate) use orbit_camera::OrbitCamera;

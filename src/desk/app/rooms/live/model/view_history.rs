@@ -1,6 +1,6 @@
 //! The views that somebody left by a jump: back to them, and forward again, as a browser does.
 
-use super::command::ViewCommand;
+use super::command::{KeptViewCommand, ViewCommand};
 use super::orbit_camera::OrbitCamera;
 use crate::app::model::command::Command;
 use crate::app::rooms::path::model::PathCommand;
@@ -24,7 +24,7 @@ impl ViewHistory {
                     | ViewCommand::FramePoint
                     | ViewCommand::LookAlong(_)
                     | ViewCommand::GoToAddress(_)
-                    | ViewCommand::GoToKept(_)
+                    | ViewCommand::Kept(KeptViewCommand::GoTo(_))
                     | ViewCommand::Pasted(_)
             ),
             _ => false,

@@ -4,7 +4,7 @@ use egui::{Rect, Sense, TextEdit, Ui, vec2};
 use egui_material_icons::icons::{ICON_BOOKMARK_ADD, ICON_DELETE};
 
 use crate::app::model::State;
-use crate::app::rooms::live::model::{KeptView, ViewCommand};
+use crate::app::rooms::live::model::{KeptView, KeptViewCommand, ViewCommand};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, picture};
 
@@ -21,23 +21,23 @@ pub(super) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewComma
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = space::SMALL;
             if picture_ui(ui, kept) {
-                sent.push(ViewCommand::GoToKept(index));
+                sent.push(ViewCommand::Kept(KeptViewCommand::GoTo(index)));
             }
             let mut name = kept.name.clone();
             let width = (ui.available_width() - BUTTON).max(40.0);
             let field = ui.add(TextEdit::singleline(&mut name).desired_width(width));
             if field.accessible_name(format!("Name of kept view {}", index + 1)).changed() {
-                sent.push(ViewCommand::RenameKept(index, name));
+                sent.push(ViewCommand::Kept(KeptViewCommand::Rename(index, name)));
             }
             let remove = format!("Remove {}", kept.name);
             if icon_button(ui, ICON_DELETE, &remove, "Remove this view from the list.").clicked() {
-                sent.push(ViewCommand::RemoveKept(index));
+                sent.push(ViewCommand::Kept(KeptViewCommand::Remove(index)));
             }
         });
     }
     let button = ui.button((ICON_BOOKMARK_ADD.rich_text(), "Keep view")).accessible_name("Keep view");
     if button.on_hover_text("Keep this view and its frame in the list (Ctrl+D).").clicked() {
-        sent.push(ViewCommand::Keep);
+        sent.push(ViewCommand::Kept(KeptViewCommand::Keep));
     }
     if !kept.is_empty() {
         note(ui, "Click a picture to go there; Alt + ← comes back. Sessions keep the list.");
