@@ -148,7 +148,7 @@ pub fn paint_with_values(
     let mut painter = FilmPainter { source, vantages, orthographic, renderer, settings };
     for nth in 0..vantages.len() {
         job.check()?;
-        take(nth, &*painter.picture(nth, job)?)?;
+        take(nth, &painter.picture(nth, job)?)?;
         job.advance(1);
     }
     Ok(())
