@@ -38,7 +38,10 @@ fn the_words_of_several_programs_say_that_a_camera_is_orthographic() {
         (json!({"camera_model": "ORTHOGRAPHIC", "fl_x": 2.5}), 2.5),
         (json!({"camera_model": "orthographic", "fl_y": 2.5}), 2.5),
         (json!({"orthographic": true, "fl_x": 2.5}), 2.5),
-        (json!({"camera_type": "ORTHO", "ortho_scale": 3.0, "camera_angle_x": 0.7}), longer / 3.0),
+        (
+            json!({"camera_type": "ORTHO", "ortho_scale": 3.0, "camera_angle_x": 0.7, "camera_angle_y": 0.5}),
+            longer / 3.0,
+        ),
     ] {
         let capture = folder.open(json!({}), &[bare("a", &keys)]).unwrap();
         let lens = capture.cameras[0].intrinsics;
@@ -147,7 +150,7 @@ fn every_stage_works_or_says_in_one_line_why_not() {
     succeed(here, &["render", "scene.ovl", "--views", "capture", "--out", "pictures"]);
     succeed(here, &["evaluate", "capture", "--hold-out", "side"]);
     succeed(here, &["export", "points", "scene.ovl", "--out", "points.ply"]);
-    succeed(here, &["export", "splats", "scene.ovl", "--out", "splats.ply"]);
+    succeed(here, &["export", "splats", "scene.ovl", "--format", "ply", "--out", "splats.ply"]);
     let refused = |arguments: &[&str], what: &str| {
         let said = fail(here, arguments, 1);
         assert!(said.contains(what), "{said}");
