@@ -95,7 +95,7 @@ fn group_ui(ui: &mut Ui, title: &str, names: &[String], choice: &mut StudyChoice
         ui.label(RichText::new(title).strong());
         let lower = title.to_lowercase();
         if ui.small_button("All").accessible_name(format!("All {lower}")).clicked() {
-            names.iter().for_each(|name| _ = choice.left_out.remove(name));
+            choice.left_out.retain(|name| !names.contains(name));
         }
         if ui.small_button("None").accessible_name(format!("No {lower}")).clicked() {
             choice.left_out.extend(names.iter().cloned());
