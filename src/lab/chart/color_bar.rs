@@ -140,7 +140,9 @@ fn ticks(colors: &ValueColors) -> Vec<(f64, String)> {
             exponential(tick, (high - low) / TICKS as f64)
         }
     };
-    let found = scale.ticks(low, high, TICKS);
+    // A round end of f32 lies beside the round number.
+    let slack = if scale == Scale::Linear { 1e-6 * (high - low) } else { 0.0 };
+    let found = scale.ticks(low - slack, high + slack, TICKS);
     found.into_iter().filter_map(|tick| Some((colors.share_of(tick as f32)?, text(tick)))).collect()
 }
 

@@ -6,7 +6,7 @@ use egui::epaint::Vertex;
 use egui::{Color32, Galley, Mesh, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, pos2, vec2};
 use glam::DVec2;
 
-use super::overlays::frustum;
+use super::overlays::{as_drawn, frustum};
 use crate::app::camera_cues;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::live::model::ViewCommand;
@@ -63,13 +63,13 @@ pub(crate) fn seen_cameras<'a>(
         if presence == 0.0 {
             continue;
         }
-        let shape = frustum(camera, &vantage, length);
+        let (shape, drawn) = (frustum(camera, &vantage, length), as_drawn(camera));
         let (width, height) = (f64::from(camera.intrinsics.width), f64::from(camera.intrinsics.height));
         let steps = 0..=PATCHES;
         let places = steps.clone().flat_map(|row| steps.clone().map(move |column| (column, row)));
         let picture = places.map(|(column, row)| {
             let share = [column, row].map(|step| step as f64 / PATCHES as f64);
-            let point = camera.unproject(DVec2::new(share[0] * width, share[1] * height), length);
+            let point = drawn.unproject(DVec2::new(share[0] * width, share[1] * height), length);
             vantage.project(point).map(|(pixel, _)| at(pixel))
         });
         let line = |line: [Pos2; 2]| line.map(|point| canvas.min + point.to_vec2());

@@ -1,4 +1,4 @@
-//! What is drawn over pictures: cameras as wire pyramids, and the mark of the selected pixel.
+//! What is drawn over pictures: cameras as wire pyramids and boxes, and the mark of the selected pixel.
 
 use egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
 use glam::{DVec2, DVec3};
@@ -16,16 +16,27 @@ pub(crate) struct Frustum {
     pub apex: Option<Pos2>,
 }
 
-/// The pyramid of `camera`, `length` deep, as `vantage` sees it.
+/// A camera as it is drawn: the picture of an orthographic one may be as large as the scene, and is drawn as small as those of others.
+pub(crate) fn as_drawn(camera: &Camera) -> Camera {
+    let lens = camera.intrinsics;
+    Camera { intrinsics: lens.in_perspective_from(lens.depth_scale(1.0)), ..camera.clone() }
+}
+
+/// The pyramid of `camera`, `length` deep, as `vantage` sees it; of an orthographic camera a box.
 pub(crate) fn frustum(camera: &Camera, vantage: &Camera, length: f64) -> Frustum {
     let (width, height) = (f64::from(camera.intrinsics.width), f64::from(camera.intrinsics.height));
+    let drawn = as_drawn(camera);
     let corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
-        .map(|(x, y)| camera.unproject(DVec2::new(x, y), length));
+        .map(|(x, y)| drawn.unproject(DVec2::new(x, y), length));
     let apex = camera.position_in_world();
+    let is_box = camera.intrinsics.is_orthographic();
+    let back = corners.map(|corner| if is_box { corner - length * camera.forward_in_world() } else { apex });
     let camera_from_world = vantage.camera_from_world();
     let mut lines = Vec::with_capacity(8);
     for i in 0..4 {
-        for (a, b) in [(apex, corners[i]), (corners[i], corners[(i + 1) % 4])] {
+        let next = (i + 1) % 4;
+        let behind = is_box.then_some((back[i], back[next]));
+        for (a, b) in [(back[i], corners[i]), (corners[i], corners[next])].into_iter().chain(behind) {
             let ends = [a, b].map(|point| camera_from_world.transform_point3(point));
             if let Some([a, b]) = clipped(ends, NEAR * length) {
                 lines.extend(projected(vantage, a).zip(projected(vantage, b)).map(|(a, b)| [a, b]));
@@ -89,6 +100,17 @@ mod tests {
         let behind =
             frustum(&camera(DVec3::new(0.0, -20.0, 0.0), DVec3::new(0.0, -30.0, 0.0)), &vantage, 1.0);
         assert!(behind.lines.is_empty() && behind.apex.is_none());
+    }
+
+    #[test]
+    fn an_orthographic_camera_is_a_box_that_is_no_larger_than_the_pyramids_of_others() {
+        let vantage = camera(DVec3::new(0.0, -10.0, 0.0), DVec3::ZERO);
+        let lens = Intrinsics::orthographic(100, 100, 40.0);
+        let large = Camera { intrinsics: lens, ..camera(DVec3::ZERO, DVec3::X) };
+        let seen = frustum(&large, &vantage, 1.0);
+        assert_eq!(seen.lines.len(), 12);
+        let far = seen.lines.iter().flatten().map(|end| (*end - pos2(50.0, 50.0)).length());
+        assert!(far.fold(0.0, f32::max) < 15.0);
     }
 
     #[test]

@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(amount(768, None), "768 measurements, how long is unknown until the first is measured");
         assert_eq!(amount(1, Some(2.0)), "1 measurement, about 2 s");
         assert_eq!(amount(190, Some(600.0)), "190 measurements, about 10 min");
-        assert_eq!(shown_name("ours"), "Settings it started from");
+        assert_eq!(shown_name("ours"), "Your settings");
         assert_eq!(shown_name("pruning.depth_tolerance"), setting_names::name("pruning.depth_tolerance"));
     }
 }
