@@ -128,7 +128,7 @@ fn nonsense_in_the_manifest_is_named() {
         ("distortion_params", json!([0, 0, 0, 0.3]), "undistort"),
         ("k5", json!(0.1), "undistort"),
         ("p3", json!(0.1), "undistort"),
-        ("camera_type", json!("ORTHO"), "undistort"),
+        ("camera_type", json!("PANO"), "undistort"),
         ("camera_model", json!("THIN_PRISM_FISHEYE"), "undistort"),
         ("pixel_center_offset", json!(-40), "pixel_center_offset is -40"),
     ];

@@ -141,7 +141,7 @@ fn every_stage_works_or_says_in_one_line_why_not() {
     assert_eq!(info["cameras"][0]["orthographic"], json!(true));
     assert_eq!(info["cameras"][1].get("orthographic"), None);
     let made = command::succeed(command::overlook(here, &["preprocess", "capture", "--out", "scene.ovl"]));
-    let said = String::from_utf8(made.stderr).unwrap();
+    let said = String::from_utf8(made.stdout).unwrap();
     assert!(
         said.contains("camera 'front' is orthographic, and only cameras in perspective are aligned"),
         "{said}"

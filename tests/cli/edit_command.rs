@@ -181,7 +181,9 @@ fn every_command_that_makes_something_of_a_store_or_of_recorded_pictures_obeys_a
             files.sort();
             files.iter().map(|file| std::fs::read(file).unwrap()).collect()
         };
-        assert!(!all("whole").is_empty() && all("whole") != all("edited"), "{name}");
+        // The best places of two cameras may be the same without what the list cuts.
+        let differ = name == "placed.json" || all("whole") != all("edited");
+        assert!(!all("whole").is_empty() && differ, "{name}");
         let refused = with(&format!("refused/{name}"), &["--edits", "asking.toml"]);
         let said = String::from_utf8(refused.stderr).unwrap();
         assert!(

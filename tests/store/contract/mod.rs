@@ -273,9 +273,9 @@ fn a_folder_and_a_missing_file_are_refused() {
 #[test]
 fn another_major_version_is_unsupported_and_a_minor_one_is_read() {
     let (_folder, path, bytes) = small_store();
-    let newer = tampered(&bytes, *b"HEAD", |head| head[1] = 4);
+    let newer = tampered(&bytes, *b"HEAD", |head| head[1] = 5);
     assert!(matches!(read_bytes(&path, &newer), Err(Error::Unsupported { .. })));
-    assert!(refusal(&path, &newer).contains("version 4.1"));
+    assert!(refusal(&path, &newer).contains("version 5.1"));
     let minor = tampered(&bytes, *b"HEAD", |head| head[3] = 9);
     assert_same(&read_bytes(&path, &minor).unwrap(), &small_set(), &small_report());
 }

@@ -119,7 +119,7 @@ fn valued() -> SampleSet {
     let value_of = |image: &SampleImage, x: usize, y: usize, inverse_depth: f32| {
         let moved = if x > 90 { 0.1 * image.span.start as f32 } else { 0.0 };
         let curved = 0.002 * (x * x) as f32 - 0.01 * (x * y) as f32 + moved;
-        let part = if (x / 9 + y / 7) % 5 == 0 { MISSING_VALUE } else { (x / 9) as f32 };
+        let part = if (x / 9 + y / 7).is_multiple_of(5) { MISSING_VALUE } else { (x / 9) as f32 };
         let ends = [f32::INFINITY, -0.0, f32::NEG_INFINITY, 1e-42, 3e38, 0.0];
         [curved, 3.0 * inverse_depth + curved, part, ends[(x * y / 3 + y) % ends.len()]]
     };

@@ -123,23 +123,29 @@ fn runs(payload: &[u8]) -> BTreeMap<usize, Vec<usize>> {
     all
 }
 
+/// The chunks that a file has once, by their ids, without their checksums.
+fn chunks_of(file: &[u8]) -> BTreeMap<&[u8], &[u8]> {
+    let mut chunks = BTreeMap::new();
+    let mut rest = Bytes(&file[12..]);
+    while !rest.0.is_empty() {
+        let id = rest.take(4);
+        let length = rest.number(4) as usize;
+        let payload = rest.take(length);
+        rest.take(length % 2);
+        if id != b"IMAG" && id != b"VALI" {
+            let (payload, checksum) = payload.split_at(length - 4);
+            assert_eq!(Bytes(checksum).number(4) as u32, crc32fast::hash(&[id, payload].concat()));
+            chunks.insert(id, payload);
+        }
+    }
+    chunks
+}
+
 impl Store {
     pub(crate) fn read(file: &[u8]) -> Self {
         assert_eq!((&file[..4], &file[8..12]), (&b"FORM"[..], &b"OVLK"[..]));
         assert_eq!(Bytes(&file[4..]).number(4) as usize, file.len() - 8);
-        let mut chunks = BTreeMap::new();
-        let mut rest = Bytes(&file[12..]);
-        while !rest.0.is_empty() {
-            let id = rest.take(4);
-            let length = rest.number(4) as usize;
-            let payload = rest.take(length);
-            rest.take(length % 2);
-            if id != b"IMAG" && id != b"VALI" {
-                let (payload, checksum) = payload.split_at(length - 4);
-                assert_eq!(Bytes(checksum).number(4) as u32, crc32fast::hash(&[id, payload].concat()));
-                chunks.insert(id, payload);
-            }
-        }
+        let chunks = chunks_of(file);
         let mut head = Bytes(chunks[&b"HEAD"[..]]);
         let doubtful = chunks.get(&b"DOUB"[..]).map_or(BTreeMap::new(), |payload| runs(payload));
         let has_values = chunks.contains_key(&b"VALU"[..]);

@@ -68,7 +68,8 @@ impl ValueTable {
         let number = |bytes: &mut Bytes<'_>| f32::from_bits(bytes.number(4) as u32);
         let channels: Vec<Channel> = (0..count)
             .map(|_| {
-                (bytes.text(), bytes.text());
+                bytes.text();
+                bytes.text();
                 bytes.take(12);
                 let (step, start) = (number(&mut bytes), number(&mut bytes));
                 let predictor = bytes.number(1);
@@ -116,9 +117,9 @@ impl ValueTable {
         let mut bytes = Bytes(code);
         if self.is_plain {
             for _ in &self.channels {
-                held.iter().for_each(|pixel| {
+                for pixel in &held {
                     block.get_mut(pixel).unwrap().push(bytes.number(4) as u32 as i32);
-                });
+                }
             }
             assert!(bytes.0.is_empty());
             return block;
@@ -187,7 +188,7 @@ impl ValueTable {
                 let mut sums: Vec<f64> = list.iter().filter_map(sum).filter(|sum| sum.is_finite()).collect();
                 sums.sort_by(f64::total_cmp);
                 if let Some(last) = sums.len().checked_sub(1) {
-                    let median = (sums[last / 2] + sums[sums.len() / 2]) / 2.0;
+                    let median = f64::midpoint(sums[last / 2], sums[sums.len() / 2]);
                     return (channel.number(median / if is_weighted { own } else { 1.0 }), 2);
                 }
             }

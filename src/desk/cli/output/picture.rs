@@ -72,13 +72,11 @@ impl PicturePaths {
 
     /// Where the array of a channel goes. What is no part of a file's name is written as addresses write it, so that names stay distinct.
     fn array(&self, channel: &str) -> PathBuf {
-        let mut name = String::new();
-        for letter in channel.chars() {
-            match letter {
-                '/' | '\\' | ':' | '%' => name += &format!("%{:02X}", u32::from(letter)),
-                other => name.push(other),
-            }
-        }
+        let written = |letter: char| match letter {
+            '/' | '\\' | ':' | '%' => format!("%{:02X}", u32::from(letter)),
+            other => other.to_string(),
+        };
+        let name: String = channel.chars().map(written).collect();
         self.exr.with_extension(format!("{name}.npy"))
     }
 }

@@ -29,7 +29,12 @@ pub(super) fn intrinsics(
     let degrees = |value: Option<f64>| value.map(f64::to_radians);
     let scale = keys.lens.ortho_scale().filter(|_| projection == Projection::Orthographic);
     let scaled = scale.map(|scale| w.max(h) / scale);
-    let keys = &Keys { fl_x: keys.fl_x.or(scaled), ..keys.clone() };
+    let mut keys = Keys { fl_x: keys.fl_x.or(scaled), ..keys.clone() };
+    if projection == Projection::Orthographic {
+        // Angles of view that exporters write whatever the camera is.
+        (keys.camera_angle_x, keys.camera_angle_y, keys.x_fov, keys.y_fov) = (None, None, None, None);
+    }
+    let keys = &keys;
     let fx = focal_px(keys.fl_x, "camera_angle_x", keys.camera_angle_x, w, place)?;
     let fx = focal_px(fx, "x_fov, in radians,", degrees(keys.x_fov), w, place)?;
     let fy = focal_px(keys.fl_y, "camera_angle_y", keys.camera_angle_y, h, place)?;

@@ -101,7 +101,7 @@ impl StaticTest {
     /// The same rule for a lens: an orthographic one is granted the setting as a share of
     /// [`Intrinsics::depth_scale`], and rounding and noise, which grow with depth, as all others are.
     #[must_use]
-    pub fn with_lens(self, lens: &Intrinsics) -> Self {
+    pub(crate) fn with_lens(self, lens: &Intrinsics) -> Self {
         if !lens.is_orthographic() {
             return self;
         }

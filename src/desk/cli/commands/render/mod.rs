@@ -19,6 +19,7 @@ use overlook_lab::truth::{CorrectedViews, ViewCorrections};
 use views::{ShownValues, ViewPainting};
 
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of the command line, each by its name")]
 pub(crate) struct RenderArgs {
     /// The store.
     store: PathBuf,

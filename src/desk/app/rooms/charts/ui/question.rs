@@ -43,7 +43,7 @@ pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Com
     let mut choice = charts.choice(study).clone();
     let frame = Frame::popup(&ctx.style_of(ctx.theme())).inner_margin(space::LARGE);
     let modal = Modal::new(Id::unique("what to measure")).frame(frame).show(ctx, |ui| {
-        ui.set_width(WIDTH.min(ctx.content_rect().width() - 2.0 * f32::from(space::LARGE)));
+        ui.set_width(WIDTH.min(ctx.content_rect().width() - 2.0 * space::LARGE));
         ui.heading(study.name());
         for (title, names) in &question.groups {
             group_ui(ui, title, names, &mut choice);

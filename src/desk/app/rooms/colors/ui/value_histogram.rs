@@ -109,12 +109,12 @@ fn axis_of(values: &[f32], channel: &ValueChannel, range: [f32; 2], scale: Value
 
 /// How many values lie in each bar.
 fn counts(values: &[f32], axis: ThresholdAxis) -> Vec<usize> {
-    let below = |bar: usize| match bar {
-        BARS => values.len(),
-        _ => {
-            let end = axis.exact_value(bar as f32 / BARS as f32);
-            values.partition_point(|value| f64::from(*value) < end)
+    let below = |bar: usize| {
+        if bar == BARS {
+            return values.len();
         }
+        let end = axis.exact_value(bar as f32 / BARS as f32);
+        values.partition_point(|value| f64::from(*value) < end)
     };
     (0..BARS).map(|bar| below(bar + 1) - below(bar)).collect()
 }
