@@ -202,7 +202,7 @@ pub(crate) fn open_view(window: &mut Window, view: &str) {
 /// Measures what a sweep or a stress test offers.
 pub(crate) fn measure(window: &mut Window, study: &str) {
     click(window, study);
-    click(window, "Measure");
+    click(window, "Start measuring");
 }
 
 /// Picks an entry of a drop-down list.

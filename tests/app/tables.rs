@@ -151,12 +151,12 @@ fn what_is_measured_is_chosen_first_with_how_much_that_is() {
     }
     assert!(shows(&window, "Nothing is left to measure"));
     click(&mut window, "Camera pose");
-    click(&mut window, "Settings it started from");
+    click(&mut window, "Your settings");
     assert_eq!(counted(&window), 2, "both ends of one dial with one method");
     choose(&mut window, "Time", "Until done");
-    click(&mut window, "Measure");
+    click(&mut window, "Start measuring");
     settle(&mut window);
-    assert!(window.query_by_label("Measure").is_none() && window.query_by_label("Resume").is_none());
+    assert!(window.query_by_label("Start measuring").is_none() && window.query_by_label("Resume").is_none());
     let table = copied_table(&mut window, "stress test");
     assert_eq!(table.len(), 3, "{table:?}");
 
@@ -169,7 +169,7 @@ fn what_is_measured_is_chosen_first_with_how_much_that_is() {
     assert!(shows(&window, "about ") && !shows(&window, "unknown"));
     window.key_press(Key::Escape);
     window.run_steps(3);
-    assert!(window.query_by_label("Measure").is_none());
+    assert!(window.query_by_label("Start measuring").is_none());
 }
 
 /// What the cross in the window's corner does.

@@ -60,7 +60,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Click", "pin the pixel under the pointer"),
             ("P", "pin or unpin the pixel"),
             ("F", "center view on the selected pixel"),
-            ("Ctrl + Shift + C, F", "copy the explanation, or a figure of the view"),
+            ("Ctrl + Shift + C, F", "copy the explanation, or a figure"),
         ],
     ),
     (
@@ -73,7 +73,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("[ and ]", "fly slower, faster"),
             ("Alt + X, Y, Z", "view along an axis; from the other side with Shift"),
             ("M", "measure a distance between two points"),
-            ("Ctrl + C, V, D", "copy the view as text, go to a copied view, keep the view"),
+            ("Ctrl + C, V, D", "copy the view, go to a copied one, keep it"),
             ("Home, double-click", "reset to the start view"),
             ("H", "hatch holes, or fill them"),
         ],

@@ -68,7 +68,7 @@ enum PathControls {
 }
 
 /// Widths from which on all controls fit into one row and into two.
-const ONE_ROW: f32 = 735.0;
+const ONE_ROW: f32 = 785.0;
 const TWO_ROWS: f32 = 430.0;
 
 fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
@@ -85,9 +85,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
                 commands.push(Command::Path(PathCommand::Play(!is_playing)));
             }
-            let seconds = path.pictures() as f64 / f64::from(state.timeline.frames_per_second);
-            let length = if ready { format!(", {} s", significant(seconds)) } else { String::new() };
-            weak(ui, counted(path.pictures(), "picture") + &length);
+            weak(ui, counted(path.pictures(), "picture"));
         }
         PathControls::Pace => {
             ui.label("Frames per segment");
@@ -95,6 +93,10 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             let drag = DragValue::new(&mut pictures).range(1..=2000);
             if ui.add(drag).accessible_name("Frames per segment").changed() {
                 commands.push(Command::Path(PathCommand::PicturesPerLeg(pictures)));
+            }
+            if ready {
+                let seconds = path.pictures() as f64 / f64::from(state.timeline.frames_per_second);
+                weak(ui, format!("{} s", significant(seconds))).on_hover_text("Length of the path.");
             }
         }
         PathControls::Size => {

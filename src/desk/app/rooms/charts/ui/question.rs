@@ -59,7 +59,8 @@ pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Com
         ui.horizontal(|ui| {
             let words = RichText::new("Measure").color(Tokens::in_ui(ui).on_accent);
             let measure = Button::new(words).fill(Tokens::in_ui(ui).accent);
-            let measure = ui.add_enabled(question.measurements > 0, measure).accessible_name("Measure");
+            let measure =
+                ui.add_enabled(question.measurements > 0, measure).accessible_name("Start measuring");
             if measure.clicked() {
                 commands.push(Command::Chart(ChartCommand::Study(study)));
             }

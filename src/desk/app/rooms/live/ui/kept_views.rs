@@ -40,7 +40,7 @@ pub(super) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewComma
         sent.push(ViewCommand::Kept(KeptViewCommand::Keep));
     }
     if !kept.is_empty() {
-        note(ui, "Click a picture to go there; Alt + ← comes back. Sessions keep the list.");
+        note(ui, "A picture goes there; Alt and the left arrow come back. Sessions keep the list.");
     }
 }
 

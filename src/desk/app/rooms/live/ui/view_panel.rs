@@ -21,10 +21,10 @@ pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         lens_ui(ui, orbit, &mut sent);
         pose_ui(ui, state, orbit, &mut sent);
-        heading_ui(ui, "Kept views");
-        kept_views_ui(ui, state, &mut sent);
         guides_ui(ui, state, &mut sent);
         moving_ui(ui, state, &mut sent);
+        heading_ui(ui, "Kept views");
+        kept_views_ui(ui, state, &mut sent);
         heading_ui(ui, "Cameras");
         camera_list_ui(ui, state, commands);
     });
