@@ -120,7 +120,7 @@ fn number(window: &Window, name: &str) -> f64 {
 #[test]
 fn the_range_of_a_value_is_dragged_on_its_histogram_and_taken_from_the_values() {
     let folder = tempfile::tempdir().unwrap();
-    let values = serde_json::json!([{ "name": "red", "channel": "R", "range": [0, 2] }]);
+    let values = serde_json::json!([{ "name": "red", "channel": "ViewLayer.Combined.R", "range": [0, 2] }]);
     let capture = changed_capture(folder.path(), |manifest| manifest["values"] = values);
     let mut window = open(overlook::app::Start::Path(capture), [SIZE[0], 1200.0]);
     settle(&mut window);

@@ -202,6 +202,8 @@ pub(crate) fn open_view(window: &mut Window, view: &str) {
 /// Measures what a sweep or a stress test offers.
 pub(crate) fn measure(window: &mut Window, study: &str) {
     click(window, study);
+    // The dialog takes its place after its first frames.
+    window.run_steps(4);
     click(window, "Start measuring");
 }
 
