@@ -298,7 +298,7 @@ fn whatever_is_dropped_is_opened_or_the_message_says_what_to_do() {
     settle(&mut window);
     for (path, named, advice) in [
         (&missing, "gone.ovl", "check the path"),
-        (&empty, "empty", "a capture is a folder that holds a transforms.json"),
+        (&empty, "empty", "No capture in"),
         (&text, "notes.txt", "open one of those, or the folder of a capture"),
         (&bare, "cam", ";"),
         (&broken, "cam", ";"),
