@@ -28,7 +28,7 @@ mod work;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use crate::app::model::median_depth;
+pub(crate) use crate::app::model::pivot_of_store;
 pub(crate) use crate::app::rooms::live::model::Unit;
 pub(crate) use crate::app::rooms::share::model::{DOTS_PER_INCH, FigureOptions, FigureWidth};
 pub(crate) use crate::app::rooms::share::work::{

@@ -101,6 +101,19 @@ impl Camera {
     }
 }
 
+/// How far the components of a direction may be off by rounding in double precision.
+const ROUNDING: f64 = 1e-12;
+
+/// A direction in a camera's space, along its z axis where it is but for rounding.
+pub(crate) fn along_axis(direction: DVec3) -> DVec3 {
+    if direction.truncate().length() < ROUNDING { DVec3::new(0.0, 0.0, direction.z) } else { direction }
+}
+
+/// Whether the lines of sight of any camera are parallel.
+pub(crate) fn any_orthographic<'a>(cameras: impl IntoIterator<Item = &'a Camera>) -> bool {
+    cameras.into_iter().any(|camera| camera.intrinsics.is_orthographic())
+}
+
 /// Refuses what knows cameras in perspective alone: `what` says what does, and what to do instead.
 ///
 /// # Errors

@@ -125,7 +125,7 @@ impl Intrinsics {
 
     /// How many times as wide pixels are at planar depth `depth` as at depth 1: the depth, or 1 where lines of sight are parallel.
     #[must_use]
-    pub(crate) fn spread_at(&self, depth: f64) -> f64 {
+    pub fn spread_at(&self, depth: f64) -> f64 {
         match self.projection {
             Projection::Perspective => depth,
             Projection::Orthographic => 1.0,

@@ -15,6 +15,7 @@ use super::supersample::{
     EDGE_FACTOR, averaged, finer, supersamples_edges, supersampling_factor, with_averaged_edges,
 };
 use super::vantage::{Picture, RenderStats, Vantage};
+use crate::capture::any_orthographic;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::SampleSet;
@@ -72,11 +73,6 @@ struct Request<'a> {
 
 /// The level of the finer picture that edges are averaged from, after those of a close-up.
 const FINER: usize = COARSEST + 1;
-
-/// Whether any camera of some samples is orthographic, which shaders do not know.
-fn has_orthographic(samples: &SampleSet) -> bool {
-    samples.cameras.iter().any(|camera| camera.intrinsics.is_orthographic())
-}
 
 /// A picture, and what rendering it took.
 type PictureAndStats = (Arc<Picture>, RenderStats);
@@ -199,7 +195,7 @@ impl Renderer {
     }
 
     fn paint(&mut self, request: &Request<'_>) -> Result<PictureAndStats> {
-        if has_orthographic(request.samples) {
+        if any_orthographic(&request.samples.cameras) {
             let painted = self.on_cpu_by_choice(request);
             if request.settings.backend == Backend::Gpu {
                 self.notice = Some("the CPU renders: the GPU does not paint orthographic cameras".to_owned());
@@ -236,7 +232,7 @@ impl Renderer {
         }
         let rates = RecordedRates::of(samples, vantage);
         let on_gpu = match settings.backend {
-            _ if has_orthographic(samples) => false,
+            _ if any_orthographic(&samples.cameras) => false,
             Backend::Cpu => false,
             Backend::Gpu => true,
             Backend::Auto => self.faster.get(&settings.kernel) == Some(&Backend::Gpu),

@@ -103,7 +103,7 @@ fn pixel_sides(ray: DVec3, depth: f64, normal: DVec3, camera: &Camera) -> [DVec3
     let lens = &camera.intrinsics;
     // Edge on, the plane says nothing.
     let facing = normal.dot(ray).min(-ray.length() / (4.0 * LONGEST));
-    let scale = if lens.is_orthographic() { 1.0 } else { depth };
+    let scale = lens.spread_at(depth);
     [(DVec3::X, normal.x, lens.fx), (DVec3::Y, normal.y, lens.fy)]
         .map(|(axis, slope, focal)| (axis - ray * (slope / facing)) * (scale / focal))
 }

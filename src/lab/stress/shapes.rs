@@ -56,8 +56,7 @@ impl SceneExtent {
         let reach = middle(&|point| point.distance(center)).max(1e-6);
         let width = |camera: &Camera| {
             let distance = camera.position_in_world().distance(center);
-            let scale = if camera.intrinsics.is_orthographic() { 1.0 } else { distance };
-            scale / camera.intrinsics.fx
+            camera.intrinsics.spread_at(distance) / camera.intrinsics.fx
         };
         let widths = capture.cameras.iter().map(width);
         let pixel = widths.sum::<f64>() / capture.cameras.len().max(1) as f64;

@@ -46,6 +46,7 @@ impl OverlookApp {
                 state.doc.thumbs = textures.collect();
             }
             Message::Histograms { histograms, .. } => state.doc.histograms = histograms,
+            Message::ValuesCounted { values, .. } => state.doc.values = Some(values),
             Message::Compared { key, outcome } => self.compared(&key, outcome),
             Message::MemoryMapped { cameras, .. } => state.doc.memory = Some(cameras),
             Message::Saved { path, bytes, holds } => self.saved(&path, bytes, holds),

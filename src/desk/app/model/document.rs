@@ -9,6 +9,7 @@ use crate::app::model::results::{Accuracy, CameraMemory, Inspected, Whole};
 use crate::app::model::scene::OpenScene;
 use crate::app::model::texture::Texture;
 use crate::app::rooms::charts::model::charts::Charts;
+use crate::app::rooms::colors::model::value_look::FrameValues;
 use crate::app::rooms::compare::model::comparison::ShownComparison;
 use crate::app::rooms::edits::model::edits::SceneEdits;
 use crate::app::rooms::files::model::picture_folder::PictureFolder;
@@ -61,6 +62,8 @@ pub(crate) struct Document {
     pub memory: Option<Vec<CameraMemory>>,
     /// The camera whose name in a legend is under the pointer.
     pub isolated: Option<usize>,
+    /// The values that the live view showed in colors when it rested last; `None` before the panel of colors asked for them.
+    pub values: Option<FrameValues>,
     /// The quantities that thresholds cut; empty before the first.
     pub histograms: Vec<ThresholdHistogram>,
     pub compared: Option<ShownComparison>,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::app::model::results::{Accuracy, CameraMemory, Inspected};
 use crate::app::model::scene::OpenScene;
 use crate::app::model::work_kind::WorkKind;
+use crate::app::rooms::colors::model::value_look::FrameValues;
 use crate::app::rooms::compare::model::comparison::{CompareKey, PictureDifference};
 use crate::app::rooms::edits::model::edits::{EditKey, EditedScene};
 use crate::app::rooms::files::model::picture_folder::PictureFolder;
@@ -80,6 +81,11 @@ pub(crate) enum Message {
     Histograms {
         scene: u64,
         histograms: Vec<ThresholdHistogram>,
+    },
+    /// The values that the live view shows in colors.
+    ValuesCounted {
+        scene: u64,
+        values: FrameValues,
     },
     /// Two pictures of one place, or why there are none.
     Compared {
@@ -214,6 +220,7 @@ impl Message {
             | Self::Probed { scene, .. }
             | Self::Thumbnails { scene, .. }
             | Self::Histograms { scene, .. }
+            | Self::ValuesCounted { scene, .. }
             | Self::MemoryMapped { scene, .. }
             | Self::Swept { scene, .. }
             | Self::Stressed { scene, .. }

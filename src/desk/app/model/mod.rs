@@ -22,7 +22,7 @@ pub(crate) use document::{Document, ShownPicture};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use message::Message;
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
-pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth};
+pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth, pivot_of_store};
 pub(crate) use state::{Busy, SIDES, State, StoppableWork};
 pub(crate) use text::{
     account_parts, bytes, count, count_of, percent, sentence, significant, time_left, words,

@@ -99,9 +99,7 @@ impl OpenScene {
     /// # Errors
     /// `Io` and `Cancelled`, and where the store has no frame.
     pub(crate) fn of_store(origin: SceneSource, playback: Playback, job: &Job) -> Result<Self> {
-        let first = playback.at(0, job)?;
-        let first = first.images.iter().find(|image| !image.is_empty());
-        let typical_depth = first.map_or(1.0, |image| median_depth(&image.inverse_depths()));
+        let pivot_in_world = pivot_of_store(&playback, job)?;
         let samples = playback.outline().clone();
         let info = playback.store().info();
         let (report, bytes) = (Report::from_json(&info.report, &samples.name)?, info.bytes);
@@ -112,7 +110,7 @@ impl OpenScene {
             cameras: samples.cameras.clone(),
             frame_numbers: samples.frame_numbers.clone(),
             up_in_world: samples.up_in_world,
-            pivot_in_world: pivot(&samples.cameras, typical_depth),
+            pivot_in_world,
             content: Content::Store {
                 samples,
                 playback: Arc::new(playback),
@@ -150,6 +148,18 @@ impl OpenScene {
     pub(crate) fn frame_count(&self) -> usize {
         self.frame_numbers.len()
     }
+}
+
+/// The point that the cameras of a store look at, in world space: where their lines of sight come nearest to each other, or as far as the
+/// first samples lie. Only the first frame is read.
+///
+/// # Errors
+/// `Io` and `Cancelled`, and where the store has no frame.
+pub(crate) fn pivot_of_store(playback: &Playback, job: &Job) -> Result<DVec3> {
+    let first = playback.at(0, job)?;
+    let first = first.images.iter().find(|image| !image.is_empty());
+    let typical_depth = first.map_or(1.0, |image| median_depth(&image.inverse_depths()));
+    Ok(pivot(&playback.outline().cameras, typical_depth))
 }
 
 /// Median planar depth of samples with depth; 1 without any.

@@ -25,6 +25,8 @@ pub(crate) enum WorkKind {
     Thumbnails,
     MemoryByCamera,
     Histograms,
+    /// The values that the live view shows in colors.
+    CountValues,
     Compare,
     CompareReadings,
     /// What edits leave of the samples.
@@ -55,6 +57,7 @@ impl WorkKind {
             Self::Thumbnails => "Could not draw the pictures of the cameras",
             Self::MemoryByCamera => "Could not count memory by camera",
             Self::Histograms => "Could not count the histograms",
+            Self::CountValues => "Could not count the values",
             Self::Compare => "Could not compare",
             Self::CompareReadings => "Could not compare readings",
             Self::EditSamples => "Could not apply the edits",

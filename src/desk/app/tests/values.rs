@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::app::rooms::colors::model::{Display, ValueLook};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::live::model::{ColorBy, ViewCommand};
 use overlook_engine::capture;
 use overlook_engine::render::{MISSING_COLOR, output};
@@ -61,7 +62,9 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     settle(&mut app);
     let colored = shown(&app);
     assert!(colored != picture);
-    let counted = app.state.doc.live_shown.as_ref().unwrap().picture.values.clone().unwrap();
+    app.apply(Command::Window(WindowCommand::OpenView(DockView::Color)));
+    settle(&mut app);
+    let counted = app.state.doc.values.as_ref().unwrap();
     assert!(counted.ascending.is_sorted() && counted.ascending.len() > 100);
     let whole = app.state.doc.whole.as_ref().unwrap().samples.clone();
 

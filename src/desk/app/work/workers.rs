@@ -7,6 +7,7 @@ use super::worker::Supersede::{Alternate, Always, Never, Queue};
 use crate::app::model::{Message, WorkKind as Kind};
 use crate::app::rooms::charts::work::accuracy::{MeasureRequest, measure};
 use crate::app::rooms::charts::work::study;
+use crate::app::rooms::colors::work::values::{ValuesRequest, values};
 use crate::app::rooms::compare::model::CompareKey;
 use crate::app::rooms::compare::work::compare::Comparer;
 use crate::app::rooms::edits::model::EditKey;
@@ -58,6 +59,7 @@ pub(crate) struct Workers {
     pub thumbs: Slot<ThumbnailRequest>,
     pub memory: Slot<MemoryRequest>,
     pub histograms: Slot<HistogramRequest>,
+    pub values: Slot<ValuesRequest>,
     pub compare: Slot<Box<CompareKey>>,
     pub export: Worker<ExportRequest>,
     /// What the sizes of what is shared follow from.
@@ -167,6 +169,7 @@ impl Workers {
             histograms: Slot::start(Kind::Histograms, Never, outbox, |request, _| {
                 Ok(histograms::histograms(&request))
             })?,
+            values: Slot::start(Kind::CountValues, Always, outbox, |request, job| values(&request, job))?,
             compare: Slot::start(Kind::Compare, Alternate, outbox, move |key, job| {
                 comparer.answer(key, job)
             })?,
@@ -192,7 +195,7 @@ impl Workers {
     }
 
     /// What follows from the state alone.
-    pub(crate) fn slots(&mut self) -> [&mut dyn AnySlot; 10] {
+    pub(crate) fn slots(&mut self) -> [&mut dyn AnySlot; 11] {
         [
             &mut self.source,
             &mut self.measure,
@@ -200,6 +203,7 @@ impl Workers {
             &mut self.thumbs,
             &mut self.memory,
             &mut self.histograms,
+            &mut self.values,
             &mut self.compare,
             &mut self.sizes,
             &mut self.preview,
@@ -209,13 +213,14 @@ impl Workers {
 
     /// Whether nothing runs or waits. An open dialog waits for the person.
     pub(crate) fn are_idle(&self) -> bool {
-        let slots: [&dyn AnySlot; 10] = [
+        let slots: [&dyn AnySlot; 11] = [
             &self.source,
             &self.measure,
             &self.probe,
             &self.thumbs,
             &self.memory,
             &self.histograms,
+            &self.values,
             &self.compare,
             &self.sizes,
             &self.preview,

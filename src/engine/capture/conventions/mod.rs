@@ -28,6 +28,7 @@ pub use pictures::{ReadingPictures, RegisteredViews, pictures};
 pub use reading::{LensReading, Reading};
 pub use verdict::{Alternative, ConventionVerdict, Evidence, Finding, ReadingPart, Undecided};
 
+use super::camera::any_orthographic;
 use super::parts::Capture;
 use crate::error::Result;
 use agreement::Comparison;
@@ -41,7 +42,7 @@ pub fn check(capture: &Capture) -> Result<Finding> {
     let chosen = ComparedViews::of(capture);
     let frames = chosen.frames(capture)?;
     let comparison = chosen.comparison(capture, &frames);
-    if capture.cameras.iter().any(|camera| camera.intrinsics.is_orthographic()) {
+    if any_orthographic(&capture.cameras) {
         let why = "a camera is orthographic, and readings are compared between cameras in perspective alone";
         let verdict = ConventionVerdict::Unknown { why: why.to_owned() };
         return Ok(Finding { verdict, claimed: comparison.claimed, claimed_score: 0.0 });

@@ -230,7 +230,7 @@ impl DepthRules {
             let in_camera = camera_from_world.transform_point3(point);
             let Some(found) = camera.intrinsics.project(in_camera) else { return f64::INFINITY };
             let pixel = DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
-            let scale = if camera.intrinsics.is_orthographic() { 1.0 } else { in_camera.z };
+            let scale = camera.intrinsics.spread_at(in_camera.z);
             let rounding = f64::from(step_relative) * point.length() * focal_px / scale;
             (found.distance(pixel) - 2.0 * rounding).max(0.0)
         };

@@ -12,9 +12,9 @@
 //!
 //! Either way `q` is the point in the target camera times `w`, so that all that follows is the same for both.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, Vec3};
 
-use crate::capture::camera::{Camera, Projection};
+use crate::capture::camera::{Camera, Projection, along_axis};
 
 /// Carries samples of one camera into another.
 #[derive(Clone, Copy, Debug)]
@@ -74,19 +74,15 @@ impl TargetLens {
     }
 }
 
-/// How far the components of a direction may be off by rounding in double precision.
-const ROUNDING: f64 = 1e-12;
-
 impl Registration {
     /// Carries samples of `source` into `target`.
     pub(crate) fn new(source: &Camera, target: &Camera) -> Self {
         let k = source.intrinsics;
         let target_from_source = target.camera_from_world() * source.world_from_camera;
         let mut axes = target_from_source.matrix3;
-        let are_parallel = axes.z_axis.truncate().length() < ROUNDING;
-        if are_parallel && k.is_orthographic() && target.intrinsics.is_orthographic() {
+        if k.is_orthographic() && target.intrinsics.is_orthographic() {
             // What both see along one direction stays where it is, to infinity.
-            axes.z_axis = DVec3::new(0.0, 0.0, axes.z_axis.z);
+            axes.z_axis = along_axis(axes.z_axis);
         }
         let first = k.point_in_camera(DVec2::splat(0.5), 1.0);
         let first_ray = match k.projection {
@@ -140,11 +136,14 @@ impl Registration {
     /// `row`, as [`Registration::first_ray`] with its growth by rows.
     #[inline(always)]
     pub(crate) fn point(&self, row: Vec3, along: f32, w: f32) -> Vec3 {
-        if self.source_is_orthographic {
-            (row + self.per_column * along) * w + self.axes[2]
-        } else {
-            row + self.per_column * along + self.translation * w
-        }
+        self.carried(row + self.per_column * along, w)
+    }
+
+    /// A point of the source times its inverse depth `w`, in target camera space, of a pixel that lies at `ray`, as
+    /// [`Registration::first_ray`].
+    #[inline(always)]
+    fn carried(&self, ray: Vec3, w: f32) -> Vec3 {
+        if self.source_is_orthographic { ray * w + self.axes[2] } else { ray + self.translation * w }
     }
 
     /// The corners of what is between two inverse depths (from 0) behind a rectangle of source pixels, given by its first and last
@@ -152,11 +151,8 @@ impl Registration {
     fn corners(&self, columns: [usize; 2], rows: [usize; 2], inverse_depths: [f32; 2]) -> [Vec3; 8] {
         std::array::from_fn(|corner| {
             let [x, y] = [columns[corner & 1] as f32, rows[corner >> 1 & 1] as f32];
-            let w = inverse_depths[corner >> 2];
-            if self.source_is_orthographic {
-                return (self.first_ray + self.per_column * x + self.per_row * y) * w + self.axes[2];
-            }
-            self.first_ray + self.per_column * x + self.per_row * y + self.translation * w
+            let ray = self.first_ray + self.per_column * x + self.per_row * y;
+            self.carried(ray, inverse_depths[corner >> 2])
         })
     }
 

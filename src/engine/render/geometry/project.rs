@@ -11,7 +11,7 @@
 
 use glam::{DMat3, DVec2, DVec3, Mat3, Vec3};
 
-use crate::capture::{Camera, Projection};
+use crate::capture::{Camera, Projection, along_axis};
 use crate::render::input::focal;
 use crate::samples::TILE;
 
@@ -107,7 +107,7 @@ impl Projector {
             }
             Projection::Orthographic => {
                 let place = target_from_source.transform_point3(first.with_z(0.0));
-                (image(place) + in_plane, image(along_target(axes.z_axis)))
+                (image(place) + in_plane, image(along_axis(axes.z_axis)))
             }
         };
         Self {
@@ -170,7 +170,13 @@ impl Projector {
     /// `P` for any source.
     #[inline(always)]
     pub(crate) fn point_of_any(&self, x: f32, y: f32, w: f32) -> Vec3 {
-        if self.source_is_orthographic { self.ray(x, y) * w + self.origin } else { self.point(x, y, w) }
+        self.carried(self.ray(x, y), w)
+    }
+
+    /// `P` of a source of any kind, of a [`Projector::ray`].
+    #[inline(always)]
+    fn carried(&self, ray: Vec3, w: f32) -> Vec3 {
+        if self.source_is_orthographic { ray * w + self.origin } else { ray + self.origin * w }
     }
 
     /// Sixteen pixels of a row from `ray` on, with their inverse depths.
@@ -200,8 +206,7 @@ impl Projector {
         let mut row = ProjectedRow { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
         for (column, &w) in inverse_depth.iter().enumerate() {
             let ray = ray + self.per_column * column as f32;
-            let point =
-                if self.source_is_orthographic { ray * w + self.origin } else { ray + self.origin * w };
+            let point = self.carried(ray, w);
             let [u, v] = match (self.source_is_orthographic, self.target_is_orthographic) {
                 // At infinity what both see along one direction stays where it is.
                 (true, true) => [0, 1].map(|axis| {
@@ -216,14 +221,6 @@ impl Projector {
         row
     }
 }
-
-/// A direction in a camera's space, along its z axis where it is but for rounding.
-fn along_target(direction: DVec3) -> DVec3 {
-    if direction.truncate().length() < ROUNDING { DVec3::new(0.0, 0.0, direction.z) } else { direction }
-}
-
-/// How far the components of a direction may be off by rounding in double precision.
-const ROUNDING: f64 = 1e-12;
 
 #[cfg(test)]
 mod tests {

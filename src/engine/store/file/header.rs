@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::capture::{Camera, Intrinsics, Projection, is_believable_size};
+use crate::capture::{Camera, Intrinsics, Projection, any_orthographic, is_believable_size};
 use crate::plural::counted;
 use crate::samples::{ImageFacts, SampleSet, Span};
 
@@ -64,7 +64,7 @@ const NO_REFERENCE: u32 = u32::MAX;
 /// The payload of `HEAD`; the version depends on whether the store lists doubtful samples and has scalar values.
 pub(crate) fn encode_head(samples: &SampleSet, has_doubtful: bool) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    let has_projections = samples.cameras.iter().any(|camera| camera.intrinsics.is_orthographic());
+    let has_projections = any_orthographic(&samples.cameras);
     let major = if has_projections { WITH_PROJECTIONS } else { VERSION.0 };
     bytes.extend_from_slice(&major.to_be_bytes());
     let minor = match (samples.values.is_empty(), has_doubtful) {

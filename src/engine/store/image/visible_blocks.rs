@@ -5,16 +5,14 @@
 //!                                        its projection into every camera: blocks there that the renderer compares with ─┘
 //! ```
 //!
-//! A pixel `(x, y)` of a camera at inverse depth `w` is the point `direction(x, y) + w · position` in homogeneous coordinates, so
-//! that a box of pixels and inverse depths, 0 for infinity included, is the hull of its eight corners, and is outside a plane where
-//! all of these are. What is painted is also looked up in all cameras, whose nearer samples hide it: blocks where a box that may
-//! be seen is projected to are needed at whatever depth. Both tests grow boxes by what the renderers' footprints reach. Where a camera is
-//! orthographic all blocks are needed.
+//! What a block may hold is in the hull of a [`PixelBox`], and is outside a plane where all of its corners are. What is painted is also
+//! looked up in all cameras, whose nearer samples hide it: blocks where a box that may be seen is projected to are needed at whatever
+//! depth. Both tests grow boxes by what the renderers' footprints reach. Where a camera is orthographic all blocks are needed.
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::image_chunk::BlockEntry;
-use crate::capture::Camera;
+use crate::capture::{Camera, PixelBox, any_orthographic};
 use crate::store::codec::BLOCK;
 
 /// Pixels by which the footprints of samples reach beyond their block: twice what renderers stretch them to, and a pixel for rounding.
@@ -64,35 +62,15 @@ impl VisibleBlocks {
     }
 }
 
-/// Eight points in homogeneous coordinates whose hull holds what a block may hold: `direction + w · position`.
-struct Hull([(DVec3, f64); 8]);
-
-impl Hull {
-    fn of(block: &BlockEntry, camera: &Camera) -> Self {
-        let corner = |index: u16| f64::from(index) * BLOCK as f64;
-        let low = [corner(block.place.0), corner(block.place.1)].map(|corner| corner - SOURCE_REACH);
-        let high = low.map(|corner| corner + BLOCK as f64 + 2.0 * SOURCE_REACH);
-        let (far, near) = (f64::from(block.inverse_depth.0), f64::from(block.inverse_depth.1));
-        let side =
-            |bits: usize, bit: usize, low: f64, high: f64| if bits >> bit & 1 == 1 { high } else { low };
-        Self(std::array::from_fn(|bits| {
-            let pixel = glam::DVec2::new(side(bits, 0, low[0], high[0]), side(bits, 1, low[1], high[1]));
-            let direction = camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(pixel);
-            (direction, side(bits, 2, far, near))
-        }))
-    }
-
-    /// The corners in another camera's space, as far as their distance goes.
-    fn seen_by(&self, position: DVec3, eye: &Eye) -> [DVec3; 8] {
-        let offset = position - eye.position;
-        self.0.map(|(direction, w)| eye.camera_from_world * (direction + offset * w))
-    }
+/// What a block may hold.
+fn box_of(block: &BlockEntry, camera: &Camera) -> PixelBox {
+    let low = DVec2::new(f64::from(block.place.0), f64::from(block.place.1)) * BLOCK as f64 - SOURCE_REACH;
+    PixelBox::new(camera, [low, low + BLOCK as f64 + 2.0 * SOURCE_REACH], block.inverse_depth)
 }
 
 /// A camera prepared for projecting many points.
 struct Eye {
-    camera_from_world: DMat3,
-    position: DVec3,
+    camera_from_world: DAffine3,
     focal: [f64; 2],
     center: [f64; 2],
     size: [f64; 2],
@@ -102,12 +80,16 @@ impl Eye {
     fn of(camera: &Camera) -> Self {
         let k = camera.intrinsics;
         Self {
-            camera_from_world: camera.world_from_camera.matrix3.inverse(),
-            position: camera.position_in_world(),
+            camera_from_world: camera.camera_from_world(),
             focal: [k.fx, k.fy],
             center: [k.cx, k.cy],
             size: [f64::from(k.width), f64::from(k.height)],
         }
+    }
+
+    /// The corners of a box in the camera's space, as far as their distance goes.
+    fn corners(&self, of: &PixelBox) -> [DVec3; 8] {
+        of.corners_in(&self.camera_from_world).map(|(point, _)| point)
     }
 
     /// Whether the hull of some points may be in the picture.
@@ -162,20 +144,19 @@ pub(crate) fn visible_blocks<'a>(
     }
     let mut visible: Vec<VisibleBlocks> = extents.into_iter().map(VisibleBlocks::none).collect();
     // What parallel lines of sight see is no such hull.
-    if cameras.iter().chain([vantage]).any(|camera| camera.intrinsics.is_orthographic()) {
+    if any_orthographic(cameras.iter().chain([vantage])) {
         visible.iter_mut().for_each(VisibleBlocks::add_all);
         return visible;
     }
     let vantage = Eye::of(vantage);
     let eyes: Vec<Eye> = cameras.iter().map(Eye::of).collect();
     for (camera, block) in blocks {
-        let hull = Hull::of(block, &cameras[camera]);
-        let position = eyes[camera].position;
-        if !vantage.may_see(&hull.seen_by(position, &vantage)) {
+        let held = box_of(block, &cameras[camera]);
+        if !vantage.may_see(&vantage.corners(&held)) {
             continue;
         }
         for (eye, visible) in eyes.iter().zip(&mut visible) {
-            eye.add_projection(&hull.seen_by(position, eye), visible);
+            eye.add_projection(&eye.corners(&held), visible);
         }
         let corner = [block.place.0, block.place.1].map(|index| f64::from(index) * BLOCK as f64);
         visible[camera].add(corner, corner);

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::super::demo::parse_size;
-use crate::app::median_depth;
+use crate::app::pivot_of_store;
 use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::cinema::{AngleRange, DatabaseCamera, DatabaseRow, grid, write_table};
-use overlook_engine::capture::{Camera, Intrinsics, Projection, pivot};
+use overlook_engine::capture::{Camera, Intrinsics, Projection};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
@@ -101,10 +101,7 @@ impl CinemaArgs {
     /// Where the pictures are taken from, with their angles.
     fn viewpoints(&self, playback: &Playback) -> Result<Vec<([f64; 2], DatabaseCamera)>> {
         let outline = playback.outline();
-        let first = playback.at(0, &Job::new())?;
-        let first = first.images.iter().find(|image| !image.is_empty());
-        let typical_depth = first.map_or(1.0, |image| median_depth(&image.inverse_depths()));
-        let middle = pivot(&outline.cameras, typical_depth);
+        let middle = pivot_of_store(playback, &Job::new())?;
         Ok(grid(&outline.cameras, middle, outline.up_in_world, [self.phi, self.theta], COUNTS))
     }
 

@@ -5,4 +5,4 @@ pub(crate) mod scene_values;
 pub(crate) mod value_look;
 
 pub(crate) use display::{Background, Channel, Display, EXPOSURES, LEVELS, PictureHistogram, ToneCurve};
-pub(crate) use value_look::{ValueLook, titled_value};
+pub(crate) use value_look::{FrameValues, ValueLook, titled_value};

@@ -46,6 +46,14 @@ pub(crate) fn titled_value(channel: &ValueChannel) -> String {
     }
 }
 
+/// The scalar values of one channel of the samples that hold at a frame.
+pub(crate) struct FrameValues {
+    /// The number of the channel.
+    pub channel: usize,
+    /// Without missing and infinite ones.
+    pub ascending: Vec<f32>,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

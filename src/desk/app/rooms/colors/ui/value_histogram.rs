@@ -1,6 +1,6 @@
 //! The histogram of the kept samples' values at the frame, with the range of colors as two lines that are dragged.
 
-use egui::{Align2, Color32, FontId, Rect, Sense, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Painter, Rect, Sense, Ui, pos2, vec2};
 
 use crate::app::model;
 use crate::app::rooms::colors::model::ValueLook;
@@ -46,22 +46,13 @@ pub(super) fn value_histogram_ui(
         let band = Rect::from_x_y_ranges(x(low)..=x(high), plot.y_range());
         painter.rect_filled(band, 0.0, tokens.raised);
     }
-    let counts = counts(values, axis);
-    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
     let colors = look.colors(channel);
-    for (index, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-        let ends = [index, index + 1].map(|bar| bar as f32 / BARS as f32);
-        let middle = axis.exact_value(f32::midpoint(ends[0], ends[1])) as f32;
-        let color = colors.as_ref().map_or(tokens.text_weak, |colors| {
-            let [r, g, b] = colors.color(middle);
+    bars(&painter, plot, values, axis, |value| {
+        colors.as_ref().map_or(tokens.text_weak, |colors| {
+            let [r, g, b] = colors.color(value);
             Color32::from_rgb(r, g, b)
-        });
-        // The logarithm lets rare values be seen beside frequent ones.
-        let height = (*count as f32).ln_1p() / most.ln_1p() * (plot.height() - 3.0);
-        let [left, right] = ends.map(|end| plot.left() + end * plot.width());
-        let bar = Rect::from_min_max(pos2(left, plot.bottom() - height), pos2(right - 0.5, plot.bottom()));
-        painter.rect_filled(bar, 0.0, color);
-    }
+        })
+    });
     let dragged = drag(ui, &response, range.map(x));
     for (end, value) in range.into_iter().enumerate() {
         line(&painter, plot, x(value), tokens.text, dragged.is_some_and(|(line, _)| line == end));
@@ -95,6 +86,21 @@ pub(super) fn value_histogram_ui(
             }
         }
     });
+}
+
+/// A bar for each run of values, in its color.
+fn bars(painter: &Painter, plot: Rect, values: &[f32], axis: ThresholdAxis, color: impl Fn(f32) -> Color32) {
+    let counts = counts(values, axis);
+    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
+    for (index, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+        let ends = [index, index + 1].map(|bar| bar as f32 / BARS as f32);
+        let middle = axis.exact_value(f32::midpoint(ends[0], ends[1])) as f32;
+        // The logarithm lets rare values be seen beside frequent ones.
+        let height = (*count as f32).ln_1p() / most.ln_1p() * (plot.height() - 3.0);
+        let [left, right] = ends.map(|end| plot.left() + end * plot.width());
+        let bar = Rect::from_min_max(pos2(left, plot.bottom() - height), pos2(right - 0.5, plot.bottom()));
+        painter.rect_filled(bar, 0.0, color(middle));
+    }
 }
 
 /// All values, the range of the channel and the one that is set lie on it.

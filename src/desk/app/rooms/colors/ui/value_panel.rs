@@ -46,8 +46,8 @@ pub(crate) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
     if let Some(scale) = segments_ui(ui, "Scale of the values", look.scale, SCALES) {
         look.scale = scale;
     }
-    let shown = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.values.as_ref());
-    let counted = shown.filter(|shown| shown.channel == index).map(|shown| &shown.ascending[..]);
+    let counted = state.doc.values.as_ref().filter(|values| values.channel == index);
+    let counted = counted.map(|values| &values.ascending[..]);
     if counted.is_some() || state.live.color_by == ColorBy::Value {
         value_histogram_ui(ui, counted, channel, look);
     }

@@ -16,7 +16,7 @@ pub(crate) use kept_views::{KeptView, next_name};
 pub(crate) use motion_budget::MotionBudget;
 pub(crate) use orbit_camera::OrbitCamera;
 pub(crate) use picture::{
-    CarriedLook, CarryKey, ColorBy, FrameValues, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried,
+    CarriedLook, CarryKey, ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried,
 };
 pub(crate) use pose::{ANGLES_OF_VIEW, ViewAngles};
 pub(crate) use view_history::ViewHistory;

@@ -140,8 +140,6 @@ pub(crate) struct LivePicture {
     pub pixels: PixelSource,
     /// How bright it is; `None` where its colors are no picture's, and in motion.
     pub histogram: Option<PictureHistogram>,
-    /// The values that its colors show; `None` where these are others, and in motion.
-    pub values: Option<Arc<FrameValues>>,
     pub stats: RenderStats,
     /// How many of the holes show the sky; 0 while pixels stay on the graphics card.
     pub sky_holes: u64,
@@ -152,14 +150,6 @@ pub(crate) struct LivePicture {
     pub notice: Option<String>,
     /// What could not be read of a store played from disk so far, one line each.
     pub damage: Vec<String>,
-}
-
-/// The scalar values of one channel of the samples that hold at a frame.
-pub(crate) struct FrameValues {
-    /// The number of the channel.
-    pub channel: usize,
-    /// Without missing and infinite ones.
-    pub ascending: Vec<f32>,
 }
 
 /// Where the pixels of a picture are.

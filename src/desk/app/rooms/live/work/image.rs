@@ -50,7 +50,6 @@ pub(crate) fn paint(
         None => key.samples.clone(),
         Some(playback) => playback.seen_from(&key.vantage.camera, key.vantage.frame, job)?,
     };
-    let values = filter.values_of(key, job)?;
     let samples = filter.of(samples, &key.cameras);
     let (shown, _) = rayon::join(
         || shown(renderer, &samples, key, job),
@@ -81,7 +80,6 @@ pub(crate) fn paint(
         size,
         pixels,
         histogram,
-        values,
         stats,
         sky_holes,
         took: started.elapsed(),

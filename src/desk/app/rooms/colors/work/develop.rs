@@ -2,8 +2,8 @@
 
 use egui::Color32;
 
-use super::model::{Background, Channel, Display, LEVELS, PictureHistogram, ToneCurve};
 use crate::app::colormap::sequential;
+use crate::app::rooms::colors::model::{Background, Channel, Display, LEVELS, PictureHistogram, ToneCurve};
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear, srgb8_from_linear};
 use overlook_engine::grid::Grid;
 use overlook_engine::render::{NO_IMAGE, Picture};

@@ -1,0 +1,71 @@
+//! The values of the kept samples at a frame, in order, for their histogram.
+
+use std::sync::Arc;
+
+use crate::app::model::{Message, State};
+use crate::app::rooms::colors::model::FrameValues;
+use crate::app::rooms::frame::model::DockView;
+use crate::app::rooms::live::model::{ColorBy, ShownCameras};
+use crate::app::rooms::live::work::shown_samples::CameraFilter;
+use crate::app::work::slot::Wanted;
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::render::output;
+use overlook_engine::samples::SampleSet;
+use overlook_engine::store::playback::Playback;
+
+/// What is put in order: the values that the live view shows in colors.
+#[derive(Clone)]
+pub(crate) struct ValuesRequest {
+    scene: u64,
+    /// All samples; an outline where a store plays from disk.
+    samples: Arc<SampleSet>,
+    playback: Option<Arc<Playback>>,
+    frame: usize,
+    cameras: ShownCameras,
+    channel: usize,
+}
+
+impl PartialEq for ValuesRequest {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.samples, &other.samples)
+            && self.frame == other.frame
+            && self.cameras == other.cameras
+            && self.channel == other.channel
+    }
+}
+
+impl Wanted for ValuesRequest {
+    /// Once the live view rests, while the panel that shows them is open.
+    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
+        let shown = state.doc.live_shown.as_ref().filter(|_| visible.contains(&DockView::Color))?;
+        let key = &shown.key;
+        if key.color_by != ColorBy::Value || key.quality.is_some() || key.in_motion {
+            return None;
+        }
+        let (channel, _) = state.display.values.channel_of(&key.samples.values)?;
+        Some(Self {
+            scene: key.scene,
+            samples: key.samples.clone(),
+            playback: key.playback.clone(),
+            frame: key.vantage.frame,
+            cameras: key.cameras.clone(),
+            channel,
+        })
+    }
+}
+
+/// Puts the values in order.
+///
+/// # Errors
+/// Those of reading a store, and `Cancelled`.
+pub(crate) fn values(request: &ValuesRequest, job: &Job) -> Result<Message> {
+    let all = match &request.playback {
+        None => request.samples.clone(),
+        Some(playback) => playback.at(request.frame, job)?,
+    };
+    let shown = CameraFilter::default().of(all, &request.cameras);
+    let ascending = output::kept_values(&shown, request.frame, request.channel);
+    let values = FrameValues { channel: request.channel, ascending };
+    Ok(Message::ValuesCounted { scene: request.scene, values })
+}
