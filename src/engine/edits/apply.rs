@@ -19,10 +19,11 @@ use super::marks::SampleMarks;
 use super::region::Region;
 use super::region_test::{RegionContext, RegionTest};
 use super::seen::{ImageMarks, PixelRays, Seen, Votes};
+use super::tile::Tile;
 use super::votes::SampleVotes;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
-use crate::samples::{ImageBuffer, SampleImage, SampleSet, Span};
+use crate::samples::{ImageBuffer, Sample, SampleImage, SampleSet, Span};
 
 /// What was cut by hand, apart from what rules dropped.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -139,21 +140,15 @@ impl CameraEdits<'_> {
             return Ok(Left::All);
         }
         let segments = segments_of(image.span, &acting);
-        let inverse_depths = image.inverse_depths();
         // For each run of segments that samples stay in: the span, and which samples.
         let mut runs: Vec<(Span, Vec<bool>)> = Vec::new();
         let mut is_changed = false;
         let asks_for_normals = acting.iter().any(|(edit, _)| edit.test.asks_for_normals());
         let evidence = Evidence::new(image, votes, marks, asks_for_normals, self.camera)?;
         let mut inside = vec![false; acting.len()];
-        for sample in image.samples() {
-            let mut seen: Seen<'_> = self.rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
-            evidence.add_to(&mut seen, &sample);
-            for (inside, (edit, _)) in inside.iter_mut().zip(&acting) {
-                *inside = edit.test.contains(&seen);
-            }
+        let mut keep = |sample: &Sample, inside: &[bool]| {
             let stays_at = |segment: &Range<usize>| {
-                acting.iter().zip(&inside).fold(true, |stays, ((edit, frames), inside)| {
+                acting.iter().zip(inside).fold(true, |stays, ((edit, frames), inside)| {
                     let acts = frames.start <= segment.start && segment.end <= frames.end;
                     if acts { edit.action.leaves(stays, *inside) } else { stays }
                 })
@@ -180,6 +175,18 @@ impl CameraEdits<'_> {
             }
             close(open);
             is_changed |= !is_whole;
+        };
+        for tile in Tile::all(image, self.camera) {
+            let known: Vec<Option<bool>> =
+                acting.iter().map(|(edit, _)| edit.test.of_tile(&tile, marks)).collect();
+            for (sample, inverse_depth) in tile.samples() {
+                let mut seen: Seen<'_> = self.rays.seen(sample.x, sample.y, inverse_depth);
+                evidence.add_to(&mut seen, &sample);
+                for ((inside, known), (edit, _)) in inside.iter_mut().zip(&known).zip(&acting) {
+                    *inside = known.unwrap_or_else(|| edit.test.contains(&seen));
+                }
+                keep(&sample, &inside);
+            }
         }
         if !is_changed {
             return Ok(Left::All);
@@ -315,20 +322,18 @@ pub fn selected(
             let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
             let marks = marks.of_image(index);
             let evidence = Evidence::new(image, votes, marks, test.asks_for_normals(), camera)?;
-            let (rays, inverse_depths) = (PixelRays::of(camera), image.inverse_depths());
-            let (mut colors, mut count) = (image.color.clone(), 0);
-            for sample in image.samples() {
-                let mut seen: Seen<'_> = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
-                evidence.add_to(&mut seen, &sample);
-                if test.contains(&seen) {
-                    count += 1;
-                    let own = &mut colors[sample.index];
-                    *own = std::array::from_fn(|channel| {
-                        let mixed = OWN_COLOR * own[channel].to_f32() + (1.0 - OWN_COLOR) * color[channel];
-                        f16::from_f32(mixed)
-                    });
+            let (mut colors, mut count) = (Vec::new(), 0);
+            test.for_each_inside(image, camera, &evidence, |sample| {
+                if count == 0 {
+                    colors.clone_from(&image.color);
                 }
-            }
+                count += 1;
+                let own = &mut colors[sample.index];
+                *own = std::array::from_fn(|channel| {
+                    let mixed = OWN_COLOR * own[channel].to_f32() + (1.0 - OWN_COLOR) * color[channel];
+                    f16::from_f32(mixed)
+                });
+            });
             let tinted =
                 (count > 0).then(|| Arc::new(SampleImage { color: colors, ..SampleImage::clone(image) }));
             Ok((tinted.unwrap_or_else(|| image.clone()), count))

@@ -31,6 +31,11 @@ impl<'a> Evidence<'a> {
         Ok(Self { image, votes, marks })
     }
 
+    /// Of the image, for each region that depends on other samples.
+    pub(super) fn marks(&self) -> &'a [ImageMarks] {
+        self.marks
+    }
+
     pub(super) fn add_to(&self, seen: &mut Seen<'a>, sample: &Sample) {
         seen.votes = self.votes.get(sample.index).copied().unwrap_or_default();
         seen.is_doubtful = !self.image.doubtful.is_empty() && self.image.is_doubtful(sample.x, sample.y);

@@ -32,6 +32,7 @@ mod region_fault;
 mod region_test;
 mod removed_pixels;
 mod seen;
+mod tile;
 mod votes;
 
 pub use apply::{CutByHand, EditedImages, cut, edit_samples, selected};

@@ -17,6 +17,6 @@ pub use image_buffer::{ImageBuffer, ImageFacts};
 pub use oct_normal::OctNormal;
 pub use placed::{PlacedSample, are_far_from_origin};
 pub use record_stream::{ReadSeek, RecordReader, RecordWriter};
-pub use sample_set::{Sample, SampleImage, SampleSet, Span};
+pub use sample_set::{SampleImage, SampleSet, Span};
 pub(crate) use spill_file::{Record, RecordPlace, SpillFile, samples_in_memory};
-pub use tile::{SampleTile, TILE, TileMask};
+pub use tile::{Sample, SampleTile, TILE, TileMask};

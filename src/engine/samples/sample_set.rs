@@ -16,7 +16,7 @@ use half::f16;
 
 use super::depth_plane::DepthPlane;
 use super::oct_normal::OctNormal;
-use super::tile::{SampleTile, TILE, TileMask};
+use super::tile::{Sample, SampleTile, TILE, TileMask};
 use crate::capture::{Camera, ValueChannel, Values};
 use crate::settings::{PruningMethod, Settings};
 
@@ -64,17 +64,6 @@ pub struct SampleImage {
     pub doubtful: Vec<TileMask>,
     /// Scalar values, one for each of the set's channels and sample: those of some picture, bit for bit; empty where the set has none.
     pub values: Values,
-}
-
-/// One sample, as [`SampleImage::samples`] gives them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// Column of the pixel.
-    pub x: usize,
-    /// Row of the pixel.
-    pub y: usize,
-    /// Index into the planes.
-    pub index: usize,
 }
 
 impl SampleImage {
@@ -136,20 +125,7 @@ impl SampleImage {
 
     /// Every sample with its pixel, in storage order.
     pub fn samples(&self) -> impl Iterator<Item = Sample> + '_ {
-        self.tiles.iter().flat_map(|tile| {
-            let mut index = tile.first as usize;
-            tile.rows.iter().enumerate().flat_map(move |(row, &mask)| {
-                let first = index;
-                index += mask.count_ones() as usize;
-                (0..TILE).filter(move |column| mask >> column & 1 == 1).enumerate().map(
-                    move |(nth, column)| Sample {
-                        x: tile.tile_x as usize * TILE + column,
-                        y: tile.tile_y as usize * TILE + row,
-                        index: first + nth,
-                    },
-                )
-            })
-        })
+        self.tiles.iter().flat_map(SampleTile::samples)
     }
 
     /// Bytes this image occupies in memory.

@@ -23,6 +23,33 @@ impl SampleTile {
     pub fn count(&self) -> usize {
         self.rows.iter().map(|row| row.count_ones() as usize).sum()
     }
+
+    /// Every sample with its pixel, in storage order.
+    pub fn samples(&self) -> impl Iterator<Item = Sample> {
+        let mut index = self.first as usize;
+        self.rows.iter().enumerate().flat_map(move |(row, &mask)| {
+            let first = index;
+            index += mask.count_ones() as usize;
+            (0..TILE).filter(move |column| mask >> column & 1 == 1).enumerate().map(move |(nth, column)| {
+                Sample {
+                    x: self.tile_x as usize * TILE + column,
+                    y: self.tile_y as usize * TILE + row,
+                    index: first + nth,
+                }
+            })
+        })
+    }
+}
+
+/// One sample, as [`SampleTile::samples`] gives them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Column of the pixel.
+    pub x: usize,
+    /// Row of the pixel.
+    pub y: usize,
+    /// Index into the planes.
+    pub index: usize,
 }
 
 /// Some samples of a tile of a [`SampleImage`](super::sample_set::SampleImage).

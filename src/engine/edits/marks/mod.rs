@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::evidence::Evidence;
 use super::region::Region;
 use super::region_test::{RegionContext, RegionTest};
-use super::seen::{ImageMarks, PixelRays, Seen};
+use super::seen::ImageMarks;
 use super::votes::SampleVotes;
 use crate::error::{Error, Result};
 use crate::plural::counted;
@@ -115,16 +115,11 @@ impl SampleMarks {
             let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
             let evidence =
                 Evidence::new(&image, votes, self.of_image(index), test.asks_for_normals(), camera)?;
-            let (rays, inverse_depths) = (PixelRays::of(camera), image.inverse_depths());
-            let inside: Box<[bool]> = image
-                .samples()
-                .map(|sample| {
-                    let mut seen: Seen<'_> = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
-                    evidence.add_to(&mut seen, &sample);
-                    test.contains(&seen)
-                })
-                .collect();
-            Ok(inside.contains(&true).then_some(inside))
+            let mut inside: ImageMarks = None;
+            test.for_each_inside(&image, camera, &evidence, |sample| {
+                inside.get_or_insert_with(|| vec![false; image.len()].into())[sample.index] = true;
+            });
+            Ok(inside)
         };
         (0..images.len()).into_par_iter().map(of_image).collect()
     }

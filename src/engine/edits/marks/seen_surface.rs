@@ -12,10 +12,11 @@ use rayon::prelude::*;
 
 use crate::capture::sighting::tolerances::NOISY_PIXEL;
 use crate::capture::sighting::{Landing, Sighting};
-use crate::capture::{Camera, Intrinsics, PixelSide};
+use crate::capture::{BoxInPicture, Camera, Intrinsics, PixelSide};
 use crate::edits::drawn_area::DrawnArea;
 use crate::edits::region::Region;
 use crate::edits::seen::{ImageMarks, PixelRays, Seen};
+use crate::edits::tile::Tile;
 use crate::error::Result;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};
 
@@ -119,25 +120,38 @@ impl<'a> SeenSurface<'a> {
         self.own.is_some_and(|own| std::ptr::eq(own, camera))
     }
 
+    fn place_of(&self, tile: &Tile<'_>) -> BoxInPicture {
+        tile.space.in_picture(&self.lens, &self.camera_from_world)
+    }
+
+    /// Between the edges of the pixels that are looked at.
+    fn looked_at(&self) -> [DVec2; 2] {
+        let at = |x: usize, y: usize| DVec2::new(x as f64, y as f64);
+        [at(self.columns.start, self.rows.start), at(self.columns.end, self.rows.end)]
+    }
+
     fn place(&self, x: usize, y: usize) -> Option<usize> {
         let is_within = self.columns.contains(&x) && self.rows.contains(&y);
         is_within.then(|| (y - self.rows.start) * self.columns.len() + x - self.columns.start)
     }
 
     fn paint(&self, image: &SampleImage, camera: &Camera, part: &DepthPart) {
-        let (rays, inverse_depths) = (PixelRays::of(camera), image.inverse_depths());
+        let rays = PixelRays::of(camera);
         let is_own = self.is_own(camera);
         // Pixels of the picture along half of one of the camera's at the same depth.
         let width = |lens: &Intrinsics| lens.pixel_width(1.0, PixelSide::Longer);
         let magnified = 0.5 * width(&camera.intrinsics) / width(&self.lens);
-        for sample in image.samples() {
+        let looked_at = self.looked_at();
+        let near =
+            Tile::all(image, camera).filter(|tile| !self.place_of(tile).is_off(looked_at, WIDEST + 1.0));
+        for (sample, inverse_depth) in near.flat_map(|tile| tile.samples()) {
             if is_own {
                 if let Some(at) = self.place(sample.x, sample.y) {
-                    part.own[at].store(inverse_depths[sample.index].to_bits(), Ordering::Relaxed);
+                    part.own[at].store(inverse_depth.to_bits(), Ordering::Relaxed);
                 }
                 continue;
             }
-            let seen = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
+            let seen = rays.seen(sample.x, sample.y, inverse_depth);
             let Some(landing) = self.landing(&seen).filter(|landing| landing.depth.is_finite()) else {
                 continue;
             };
@@ -160,10 +174,12 @@ impl<'a> SeenSurface<'a> {
     }
 
     fn marked(&self, image: &SampleImage, camera: &Camera, part: &DepthPart) -> ImageMarks {
-        let (rays, inverse_depths) = (PixelRays::of(camera), image.inverse_depths());
+        let rays = PixelRays::of(camera);
         let mut marks = None;
-        for sample in image.samples() {
-            let seen = rays.seen(sample.x, sample.y, inverse_depths[sample.index]);
+        let drawn = self.area.bounds();
+        let near = Tile::all(image, camera).filter(|tile| !self.place_of(tile).is_off(drawn, 1.0));
+        for (sample, inverse_depth) in near.flat_map(|tile| tile.samples()) {
+            let seen = rays.seen(sample.x, sample.y, inverse_depth);
             let Some(landing) = self.landing(&seen).filter(|at| self.area.contains(at.position)) else {
                 continue;
             };
