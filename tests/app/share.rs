@@ -192,6 +192,9 @@ fn what_is_written_is_canceled_in_the_dialog_and_it_says_so() {
     }
     share_path(&mut window, &[("Pictures of", "Camera path")], &folder.path().join("pictures"));
     wait(&mut window, "the work", |window| window.query_by_label("Cancel sharing").is_some());
+    let before = window.get_by_label("Cancel sharing").rect();
+    wait(&mut window, "a count", |window| window.query_by_label("Progress of sharing").is_some());
+    assert_eq!(window.get_by_label("Cancel sharing").rect(), before, "it stays under the pointer");
     click(&mut window, "Cancel sharing");
     wait(&mut window, "a word about it", |window| shows(window, "Export stopped. Only the pictures"));
     assert!(window.query_by_label("Show in folder").is_none());

@@ -112,16 +112,30 @@ impl ColorBar {
     pub fn strip(&self, columns: usize) -> Result<RgbaImage> {
         let mut body = Svg::part();
         self.draw(&mut body, 0.0, &strip_look(columns));
-        let (columns, rows) = (columns as u32, Self::strip_rows(columns) as u32);
-        let png =
-            Svg::printed(Print { columns, rows, dots_per_inch: SCREEN_DOTS }, color::PAPER, &body).png()?;
-        let read = image::load_from_memory(&png);
-        read.map(image::DynamicImage::into_rgba8)
-            .map_err(|error| Error::invalid("scalar bar", error.to_string()))
+        Strip { columns, rows: Self::strip_rows(columns) }.png_of(&body)
     }
 }
 
-fn strip_look(columns: usize) -> BarLook {
+/// What lies below a picture on a screen, pixels.
+pub(super) struct Strip {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+}
+
+impl Strip {
+    /// What is drawn, opaque.
+    pub(super) fn png_of(&self, body: &Svg) -> Result<RgbaImage> {
+        let (columns, rows) = (self.columns as u32, self.rows as u32);
+        let png =
+            Svg::printed(Print { columns, rows, dots_per_inch: SCREEN_DOTS }, color::PAPER, body).png()?;
+        let read = image::load_from_memory(&png);
+        read.map(image::DynamicImage::into_rgba8)
+            .map_err(|error| Error::invalid("below a picture", error.to_string()))
+    }
+}
+
+/// How what lies below a picture of so many columns is drawn.
+pub(super) fn strip_look(columns: usize) -> BarLook {
     let type_size = (columns as f64 / COLUMNS_PER_TYPE).clamp(TYPE[0], TYPE[1]).round();
     let inset = 0.5 * type_size;
     BarLook { columns: columns as f64, inset, type_size, ink: color::INK, faint: color::FAINT }

@@ -37,8 +37,8 @@ impl FilmComparison {
     }
 }
 
-/// Paints the `pictures` of a film, and passes each on with its index. `side` paints one of the two sides, 0 or 1, of a picture; only
-/// sides that are seen are painted.
+/// Paints the `pictures` of a film, and passes each on with its index and which sides it shows. `side` paints one of the two sides, 0 or
+/// 1, of a picture; only sides that are seen are painted.
 ///
 /// # Errors
 /// Those of `side` and `take`; `Invalid` where the sides differ in size, and `Cancelled`.
@@ -49,15 +49,15 @@ pub fn paint_compared(
     width: usize,
     job: &Job,
     mut side: impl FnMut(usize, usize) -> Result<Arc<Picture>>,
-    mut take: impl FnMut(usize, &Picture) -> Result<()>,
+    mut take: impl FnMut(usize, &Picture, [bool; 2]) -> Result<()>,
 ) -> Result<()> {
     job.start("Rendering", pictures);
     for nth in 0..pictures {
         job.check()?;
         match how.split(nth, pictures, pictures_a_second, width) {
-            0 => take(nth, &*side(1, nth)?)?,
-            split if split == width => take(nth, &*side(0, nth)?)?,
-            split => take(nth, &cut(&*side(0, nth)?, &*side(1, nth)?, split)?)?,
+            0 => take(nth, &*side(1, nth)?, [false, true])?,
+            split if split == width => take(nth, &*side(0, nth)?, [true, false])?,
+            split => take(nth, &cut(&*side(0, nth)?, &*side(1, nth)?, split)?, [true, true])?,
         }
         job.advance(1);
     }
@@ -122,21 +122,23 @@ mod tests {
             picture.color.as_mut_slice().fill([level; 3]);
             Arc::new(picture)
         };
-        let (mut painted, mut shown) = (Vec::new(), Vec::new());
+        let (mut painted, mut shown, mut seen) = (Vec::new(), Vec::new(), Vec::new());
         let side = |side, nth| {
             painted.push((side, nth));
             Ok(gray([0.2, 0.6][side], 20))
         };
-        let take = |_, picture: &Picture| {
+        let take = |_, picture: &Picture, sides| {
+            seen.push(sides);
             shown.push((0..20).map(|x| picture.color[(x, 1)][0]).collect::<Vec<_>>());
             Ok(())
         };
         paint_compared(FilmComparison::Wipe, 3, 24.0, 20, &Job::new(), side, take).unwrap();
         assert_eq!(painted, [(0, 0), (0, 1), (1, 1), (1, 2)]);
+        assert_eq!(seen, [[true, false], [true, true], [false, true]]);
         let middle = [vec![0.2; 8], vec![0.0, 1.0, 1.0, 0.0], vec![0.6; 8]].concat();
         assert_eq!(shown, [vec![0.2; 20], middle, vec![0.6; 20]]);
         let unlike = |side, _| Ok(gray(0.5, [20, 24][side]));
-        let error = paint_compared(FilmComparison::Wipe, 3, 24.0, 20, &Job::new(), unlike, |_, _| Ok(()));
+        let error = paint_compared(FilmComparison::Wipe, 3, 24.0, 20, &Job::new(), unlike, |_, _, _| Ok(()));
         assert!(error.unwrap_err().to_string().contains("20×2 pixels and the other 24×2"));
     }
 }

@@ -23,7 +23,7 @@ use overlook_engine::settings::{RenderSettings, Settings};
 use overlook_engine::store::file::{Store, StoreInfo};
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::whole_file;
-use overlook_lab::chart::ColorBar;
+use overlook_lab::chart::{ColorBar, SideNames};
 
 /// Where a film is painted from, and how.
 #[derive(Debug, Args)]
@@ -158,8 +158,15 @@ impl FilmArgs {
             Ok(Vantage { frame, ..vantage.clone() })
         };
         let vantages = stops.vantages.iter().map(there).collect::<Result<Vec<_>>>()?;
-        Ok(ComparedSide { playback: Arc::new(playback), vantages, settings, mode: self.mode, rate })
+        let names = told_apart([&self.store, store]);
+        Ok(ComparedSide { playback: Arc::new(playback), vantages, settings, mode: self.mode, rate, names })
     }
+}
+
+/// The names of two stores: those of their files, or their paths where these are the same.
+fn told_apart(stores: [&Path; 2]) -> [String; 2] {
+    let names = stores.map(|store| store.file_stem().unwrap_or_default().to_string_lossy().into_owned());
+    if names[0] == names[1] { stores.map(|store| store.display().to_string()) } else { names }
 }
 
 /// What a film is compared with.
@@ -171,6 +178,8 @@ struct ComparedSide {
     mode: FilmComparison,
     /// Pictures a second.
     rate: f64,
+    /// Of the film's store and of this one.
+    names: [String; 2],
 }
 
 /// A film that is planned.
@@ -224,7 +233,11 @@ impl Film {
     pub(crate) fn size(&self) -> [usize; 2] {
         let own = self.stops.vantages[0].camera.intrinsics.size();
         let has_bar = self.values.as_ref().is_some_and(|(args, _)| args.has_bar());
-        let below = if has_bar { ColorBar::strip_rows(own.0) } else { 0 };
+        let below = match &self.compared {
+            Some(_) => SideNames::rows(own.0),
+            None if has_bar => ColorBar::strip_rows(own.0),
+            None => 0,
+        };
         let all_around = |panorama: Panorama| [panorama.width as usize, panorama.width as usize / 2];
         self.panorama.map_or([own.0, own.1 + below], all_around)
     }
@@ -334,7 +347,10 @@ impl Film {
             },
         ];
         let side = |side: usize, nth| Ok(sides[side].picture(nth, job)?.picture);
-        let take = |nth: usize, rendered: &Picture| take(nth, &FilmFrame { rendered, colored: None });
+        let names = SideNames::new(&other.names, self.size()[0])?;
+        let take = |nth: usize, picture: &Picture, shown| {
+            take(nth, &FilmFrame { rendered: &names.below(picture, shown), colored: None })
+        };
         let (pictures, [width, _]) = (self.stops.vantages.len(), self.size());
         film::paint_compared(other.mode, pictures, other.rate, width, job, side, take)?;
         let notice = sides.iter().find_map(|side| side.renderer.notice());

@@ -11,6 +11,8 @@ pub(crate) struct ComparedFilm {
     pub how: FilmComparison,
     /// What is compared; its viewpoint is that of each picture in turn.
     pub key: CompareKey,
+    /// Of its sides.
+    pub names: [String; 2],
 }
 
 /// How long a film of a single frame from one viewpoint is, seconds.
@@ -53,6 +55,7 @@ impl State {
         if self.doc.path.pictures() > 0 {
             key.choice.from = CompareVantage::Live;
         }
-        Some(ComparedFilm { how, key })
+        let names = key.choice.sides.map(|side| self.side_name(side));
+        Some(ComparedFilm { how, key, names })
     }
 }

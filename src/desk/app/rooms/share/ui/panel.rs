@@ -162,17 +162,25 @@ fn busy_of(state: &State) -> Option<&Busy> {
     state.busy.iter().find(is_writing)
 }
 
+/// Width of the bar of what is written, points.
+const BAR: f32 = 260.0;
+
 fn progress_ui(ui: &mut Ui, busy: &Busy, commands: &mut Commands) {
     let progress = &busy.progress;
     let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
     ui.add(Label::new(stage).truncate());
     ui.horizontal(|ui| {
-        if progress.total > 0 {
-            let bar = ProgressBar::new(progress.fraction()).desired_width(260.0).desired_height(8.0);
-            ui.add(bar.fill(Tokens::in_ui(ui).accent)).accessible_name("Progress of sharing");
-        } else {
-            ui.add(egui::Spinner::new().size(16.0));
-        }
+        // As wide before anything is counted, so that *Cancel* does not move away from the pointer.
+        let area = Vec2::new(BAR, ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(area, Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(BAR);
+            if progress.total > 0 {
+                let bar = ProgressBar::new(progress.fraction()).desired_width(BAR).desired_height(8.0);
+                ui.add(bar.fill(Tokens::in_ui(ui).accent)).accessible_name("Progress of sharing");
+            } else {
+                ui.add(egui::Spinner::new().size(16.0));
+            }
+        });
         let cancel = ui.button((ICON_CANCEL.rich_text(), "Cancel")).accessible_name("Cancel sharing");
         if cancel.clicked() {
             commands.push(Command::Share(ShareCommand::Stop));

@@ -9,14 +9,16 @@ use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::render::film::{self, FilmSource};
 use overlook_engine::render::{Picture, Vantage};
+use overlook_lab::chart::SideNames;
 
-/// Columns and rows of its pictures.
+/// Columns and rows of its pictures, names below them included.
 ///
 /// # Errors
 /// `Invalid` where there is nothing to be seen from the viewpoint.
 pub(crate) fn size(compared: &ComparedFilm, first: &Vantage) -> Result<[usize; 2]> {
     let key = CompareKey { vantage: first.clone(), ..compared.key.clone() };
-    Ok(Comparer::size(&key)?.into())
+    let (columns, rows) = Comparer::size(&key)?;
+    Ok([columns, rows + SideNames::rows(columns)])
 }
 
 /// Paints both sides at every vantage, and passes the pictures on with their index.
@@ -30,7 +32,7 @@ pub(crate) fn paint(
     pictures_a_second: f64,
     threads: &Arc<rayon::ThreadPool>,
     job: &Job,
-    take: impl FnMut(usize, &Picture) -> Result<()>,
+    mut take: impl FnMut(usize, &Picture) -> Result<()>,
 ) -> Result<()> {
     let mut comparer = Comparer::new(threads.clone());
     let Some(first) = vantages.first() else { return Ok(()) };
@@ -48,5 +50,7 @@ pub(crate) fn paint(
         last[side] = Some((vantage, picture.clone()));
         Ok(picture)
     };
+    let names = SideNames::new(&compared.names, width)?;
+    let take = |nth: usize, picture: &Picture, shown| take(nth, &names.below(picture, shown));
     film::paint_compared(compared.how, vantages.len(), pictures_a_second, width, job, side, take)
 }
