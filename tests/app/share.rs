@@ -5,8 +5,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use overlook::app::Start;
 
 use super::driver::{
-    SIZE, Window, choose, click, copied, drag, open, open_share, save_store, settle, share_path, share_to,
-    shows, small_capture, small_demo, told, wait, wait_for_shared,
+    SIZE, Window, choose, click, copied, drag, open, open_share, open_view, save_store, settle, share_path,
+    share_to, shows, small_capture, small_demo, told, wait, wait_for_shared,
 };
 
 const WAYS: [&str; 7] = ["Interactive page", "Splats", "Video", "Pictures", "Figure", "Points", "Store"];
@@ -121,32 +121,79 @@ fn a_figure_shows_the_live_view_or_the_source_picture_with_what_its_colors_mean(
     assert_eq!(image::load_from_memory(&shared("Live view", "live.png")).unwrap().width(), 1417);
 }
 
+/// The image that the window leaves on the clipboard.
+fn copied_image(window: &mut Window) -> [usize; 2] {
+    let mut image = None;
+    wait(window, "the image", |window| {
+        for command in &window.output().platform_output.commands {
+            if let egui::OutputCommand::CopyImage(copied) = command {
+                image = Some(copied.size);
+            }
+        }
+        image.is_some()
+    });
+    window.run_steps(2);
+    image.unwrap()
+}
+
+/// Rows of the figure that the key copies while the pointer is over a view.
+fn rows_of_copied_figure(window: &mut Window, view: &str) -> usize {
+    let area = window.get_by_label(view).rect();
+    window.hover_at(area.center());
+    window.run_steps(2);
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::F);
+    let [columns, rows] = copied_image(window);
+    assert_eq!(columns, 1417, "120 mm at 300 dpi");
+    assert!(shows(window, &format!("{columns}×{rows} pixels, 120 mm wide")), "{view}");
+    rows
+}
+
 #[test]
 fn one_key_copies_the_figure_of_the_view_under_the_pointer() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    let mut copy = |view: &str| {
-        let area = window.get_by_label(view).rect();
-        window.hover_at(area.center());
-        window.run_steps(2);
-        window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::F);
-        let mut image = None;
-        wait(&mut window, "the figure", |window| {
-            for command in &window.output().platform_output.commands {
-                if let egui::OutputCommand::CopyImage(copied) = command {
-                    image = Some(copied.size);
-                }
-            }
-            image.is_some()
-        });
-        let [columns, rows] = image.unwrap();
-        assert_eq!(columns, 1417, "120 mm at 300 dpi");
-        window.run_steps(2);
-        assert!(shows(&window, &format!("{columns}×{rows} pixels, 120 mm wide")), "{view}");
-        rows
-    };
-    let [live, source] = ["Live picture", "Source picture"].map(&mut copy);
+    let [live, source] =
+        ["Live picture", "Source picture"].map(|view| rows_of_copied_figure(&mut window, view));
     assert!(live > 300 && source > 300);
+}
+
+#[test]
+fn a_figure_shows_the_comparison_as_it_is_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_share(&mut window, "Figure");
+    choose(&mut window, "Figure of", "Comparison");
+    assert!(shows(&window, "There is no comparison: open Compare"), "the dialog says what is missing");
+    click(&mut window, "Close sharing");
+    open_view(&mut window, "Compare");
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels covered on one side only"));
+    let mut shared = |mode: &str, measure: Option<&str>| {
+        choose(&mut window, "Compare by", mode);
+        if let Some(measure) = measure {
+            choose(&mut window, "Difference in", measure);
+        }
+        settle(&mut window);
+        open_share(&mut window, "Figure");
+        choose(&mut window, "Figure of", "Comparison");
+        let path = folder.path().join("compared.svg");
+        share_to(&mut window, &path, "Export");
+        wait_for_shared(&mut window);
+        std::fs::read_to_string(path).unwrap()
+    };
+    let wiped = shared("Wipe", None);
+    assert!(wiped.contains("Left: All samples") && wiped.contains("Right: Kept samples"));
+    assert!(shared("Side by side", None).contains("Right: Kept samples"));
+    let flipped = shared("Flip", None);
+    assert!(flipped.contains("All samples") && !flipped.contains("Kept samples"), "one side is shown");
+    let signed = shared("Difference", Some("Signed"));
+    for text in
+        ["Difference of All samples and Kept samples", "brighter, 8-bit steps", "no sample on one side"]
+    {
+        assert!(signed.contains(text), "{text}");
+    }
+    assert!(shared("Difference", Some("FLIP")).contains("FLIP 0"));
+    assert!(rows_of_copied_figure(&mut window, "Comparison") > 300);
 }
 
 #[test]

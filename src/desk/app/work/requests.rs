@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::app::model::OpenScene;
 use crate::app::rooms::charts::model::{Study, StudyChoice};
 use crate::app::rooms::colors::model::Display;
+use crate::app::rooms::compare::model::ComparisonFigure;
 use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{CameraPath, ExportTarget};
 use crate::app::rooms::share::model::{ComparedFilm, FigureOptions};
@@ -196,6 +197,11 @@ pub(crate) enum FigureExport {
     Source {
         scene: Arc<OpenScene>,
         key: SourceKey,
+        options: FigureOptions,
+    },
+    /// A comparison as its view shows it.
+    Compared {
+        compared: Box<ComparisonFigure>,
         options: FigureOptions,
     },
 }

@@ -4,9 +4,9 @@ use egui::{Align, Align2, Key, Layout, Painter, Rect, Response, Sense, Stroke, U
 use egui_material_icons::icons::{ICON_ADD_PHOTO_ALTERNATE, ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
 use super::model::{
-    CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage, PictureDifference, ShownComparison,
+    CLASSES, CompareInView, CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage,
+    PictureDifference, ShownComparison,
 };
-use crate::app::colormap::{diverging, sequential};
 use crate::app::model::{Command, Commands, Content, State};
 use crate::app::rooms::compare::model::CompareCommand;
 use crate::app::rooms::files::model::{FileCommand, Purpose};
@@ -196,6 +196,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
     let pointer = response.hover_pos();
     let under = areas.iter().find(|area| pointer.is_some_and(|at| area.contains(at))).or(areas.first());
     let picture = look.part.placed(size, *under.unwrap_or(&canvas));
+    look.in_view = in_view(look, size, canvas, areas[0], flipped);
     move_ui(ui, &response, canvas, picture, look);
     let at = response.hover_pos().filter(|at| picture.contains(*at))?;
     let at = (at - picture.min) / picture.size() * size;
@@ -226,6 +227,19 @@ fn area_of(mode: CompareMode, canvas: Rect, [from, to]: [f32; 2]) -> Rect {
         Rect::from_x_y_ranges(column(from)..=column(to), canvas.y_range())
     } else {
         canvas
+    }
+}
+
+/// What is seen of pictures of `size`, of which the first is fitted into `area`.
+fn in_view(look: &CompareLook, size: Vec2, canvas: Rect, area: Rect, flipped: bool) -> CompareInView {
+    let picture = look.part.placed(size, area);
+    let share = |at: egui::Pos2| ((at - picture.min) / picture.size()).to_pos2();
+    let seen = picture.intersect(area);
+    let line = canvas.left() + canvas.width() * look.wipe;
+    CompareInView {
+        part: Rect::from_min_max(share(seen.min), share(seen.max)),
+        line: (line - picture.left()) / picture.width(),
+        flipped,
     }
 }
 
@@ -314,19 +328,15 @@ fn footer_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, pointed: Option
 
 /// What the colors of the map mean.
 fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
-    let range = model::significant(f64::from(comparison.range));
-    match comparison.measure {
-        CompareMeasure::Steps | CompareMeasure::Class | CompareMeasure::Flicker => {
-            legend::bar(ui, "0", &format!("{range} 8-bit steps"), BAR_WIDTH, sequential);
+    let (measure, [low, high]) = (comparison.measure, comparison.measure.ends(comparison.range));
+    if measure == CompareMeasure::Class {
+        for (class, name) in CLASSES {
+            let [red, green, blue] = class.color();
+            legend::swatch_ui(ui, egui::Color32::from_rgb(red, green, blue), name);
         }
-        CompareMeasure::Brightness => legend::bar(
-            ui,
-            &format!("darker −{range}"),
-            &format!("+{range} brighter, 8-bit steps"),
-            BAR_WIDTH,
-            |position| diverging(position * 2.0 - 1.0),
-        ),
-        CompareMeasure::Flip => legend::bar(ui, "FLIP 0", &range, BAR_WIDTH, sequential),
+        ui.label(egui::RichText::new(format!("full color: {high}")).small());
+    } else {
+        legend::bar(ui, &low, &high, BAR_WIDTH, |position| measure.color(position));
     }
 }
 

@@ -94,7 +94,11 @@ impl OverlookApp {
     /// Copies the figure that the dialog would write of a view, with the options that were chosen last.
     fn copy_figure(&mut self) {
         let pointed = self.state.look.maximized.or_else(|| self.dock.pointed_at());
-        let of = if pointed == Some(DockView::Source) { FigureOf::Source } else { FigureOf::Live };
+        let of = match pointed {
+            Some(DockView::Source) => FigureOf::Source,
+            Some(DockView::Compare) => FigureOf::Compared,
+            _ => FigureOf::Live,
+        };
         let missing = no_scene(&self.state).or_else(|| no_figure(&self.state, of));
         match self.figure(of) {
             Some((figure, source)) if missing.is_none() => {
@@ -139,6 +143,9 @@ impl OverlookApp {
             FigureOf::Source => {
                 let key = state.doc.source_shown.as_ref()?.key.clone();
                 FigureExport::Source { scene: scene.clone(), key, options }
+            }
+            FigureOf::Compared => {
+                FigureExport::Compared { compared: Box::new(state.compared_figure()?), options }
             }
         };
         let samples = state.samples_here()?.clone();

@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use egui::ColorImage;
+use egui::{Color32, ColorImage};
 
+use super::figure::CompareInView;
 use super::vantage::CompareVantage;
+use crate::app::colormap::{diverging, sequential};
 use crate::app::model::scene::OpenScene;
+use crate::app::model::text::significant;
 use crate::app::rooms::files::model::picture_folder::PictureFolder;
 use crate::app::rooms::source::model::picture_zoom::PictureZoom;
 use overlook_engine::grid::Grid;
@@ -13,6 +16,7 @@ use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::render::Vantage;
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::Settings;
+use overlook_lab::metrics::ErrorClass;
 use overlook_lab::rivals::Rival;
 
 /// What one side shows.
@@ -153,7 +157,29 @@ impl CompareMeasure {
              goes.",
         ),
     ];
+
+    /// What the ends of the map's colors mean, where its upper end is at `range`.
+    pub(crate) fn ends(self, range: f32) -> [String; 2] {
+        let range = significant(f64::from(range));
+        match self {
+            Self::Steps | Self::Class | Self::Flicker => ["0".to_owned(), format!("{range} 8-bit steps")],
+            Self::Brightness => [format!("darker −{range}"), format!("+{range} brighter, 8-bit steps")],
+            Self::Flip => ["FLIP 0".to_owned(), range],
+        }
+    }
+
+    /// The color of the map at a position from 0, its lower end, to 1.
+    pub(crate) fn color(self, position: f32) -> Color32 {
+        match self {
+            Self::Brightness => diverging(2.0 * position - 1.0),
+            _ => sequential(position),
+        }
+    }
 }
+
+/// Where differences lie, as [`CompareMeasure::Class`] colors them, and what that is called.
+pub(crate) const CLASSES: [(ErrorClass, &str); 3] =
+    [(ErrorClass::Unseen, "unseen"), (ErrorClass::Edge, "edge"), (ErrorClass::Inner, "inner")];
 
 /// The compared sides, and the measure on the map of the difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -175,6 +201,8 @@ pub(crate) struct CompareLook {
     /// Where the line is, as a share of the width.
     pub wipe: f32,
     pub part: PictureZoom,
+    /// What of it is seen, as the view was drawn last.
+    pub in_view: CompareInView,
 }
 
 impl Default for CompareLook {
@@ -182,7 +210,13 @@ impl Default for CompareLook {
         let sides = [CompareSide::Everything, CompareSide::Kept];
         let (from, measure) = (CompareVantage::Live, CompareMeasure::Steps);
         let choice = CompareChoice { sides, from, measure, range: None };
-        Self { choice, mode: CompareMode::Wipe, wipe: 0.5, part: PictureZoom::default() }
+        Self {
+            choice,
+            mode: CompareMode::Wipe,
+            wipe: 0.5,
+            part: PictureZoom::default(),
+            in_view: CompareInView::default(),
+        }
     }
 }
 

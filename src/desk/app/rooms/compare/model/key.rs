@@ -1,11 +1,18 @@
 //! What the open scene's comparison is made from now.
 
 use super::comparison::CompareKey;
+use super::figure::ComparisonFigure;
 use crate::app::model::state::State;
 use crate::app::rooms::settings::model::undo::SettingsSlot;
 use std::sync::Arc;
 
 impl State {
+    /// What a figure of the comparison shows; `None` where there is none, or where its sides cannot be compared.
+    pub(crate) fn compared_figure(&self) -> Option<ComparisonFigure> {
+        let compared = self.doc.compared.as_ref().filter(|_| self.doc.compare_error.is_none())?;
+        Some(ComparisonFigure::of(compared, &self.inspector.compare, self.dark))
+    }
+
     /// At the viewpoint, and with the samples, of the last live picture; `None` without one.
     pub(crate) fn compare_key(&self) -> Option<CompareKey> {
         let (scene, shown) = (self.doc.scene.as_ref()?, self.doc.live_shown.as_ref()?);

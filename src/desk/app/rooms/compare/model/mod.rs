@@ -2,13 +2,15 @@
 
 pub(crate) mod command;
 pub(crate) mod comparison;
+pub(crate) mod figure;
 pub(crate) mod key;
 pub(crate) mod sides;
 pub(crate) mod vantage;
 
 pub(crate) use command::CompareCommand;
 pub(crate) use comparison::{
-    CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareMode, CompareSide, DisplayColors,
+    CLASSES, CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareMode, CompareSide, DisplayColors,
     PictureDifference, ShownComparison,
 };
+pub(crate) use figure::{CompareInView, ComparisonFigure, ShownSides};
 pub(crate) use vantage::CompareVantage;

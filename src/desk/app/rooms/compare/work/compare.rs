@@ -13,7 +13,6 @@ use crate::app::rooms::charts::work::accuracy::with_nothing_pruned;
 use crate::app::rooms::compare::model::{CompareKey, CompareMeasure, CompareSide, PictureDifference};
 use crate::app::rooms::compare::work::difference;
 use crate::app::rooms::frame::model::DockView;
-use crate::app::rooms::settings::model::SettingsSlot;
 use crate::app::work::slot::Wanted;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -28,24 +27,8 @@ use overlook_lab::{picture_of_frame, truth};
 impl Wanted for Box<CompareKey> {
     /// Compares at the vantage, and with the samples, of the last live picture.
     fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
-        let shown = state.doc.live_shown.as_ref().filter(|_| visible.contains(&DockView::Compare))?;
-        let (history, now) = (&state.inspector.history, &state.settings);
-        Some(Box::new(CompareKey {
-            scene: state.doc.scene.clone()?,
-            choice: state.inspector.compare.choice,
-            vantage: shown.key.vantage.clone(),
-            // Of a store played from disk only the picture knows the samples.
-            samples: shown.picture.samples.clone(),
-            whole: state.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
-            scan: state.doc.scan.clone(),
-            settings: [
-                now.clone(),
-                history.of(SettingsSlot::A, now).clone(),
-                history.of(SettingsSlot::B, now).clone(),
-            ],
-            pictures: state.doc.pictures.clone(),
-            dark: state.dark,
-        }))
+        let is_shown = visible.contains(&DockView::Compare);
+        is_shown.then(|| state.compare_key().map(Box::new)).flatten()
     }
 }
 

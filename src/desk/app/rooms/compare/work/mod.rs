@@ -2,4 +2,5 @@
 
 pub(crate) mod compare;
 pub(crate) mod difference;
+pub(crate) mod figure;
 pub(crate) mod place;

@@ -331,6 +331,9 @@ pub(crate) fn no_figure(state: &State, of: FigureOf) -> Option<&'static str> {
         FigureOf::Source if state.doc.source_shown.is_none() => {
             Some("There is no source picture: a store holds none, and a capture shows it once it is read.")
         }
+        FigureOf::Compared if state.compared_figure().is_none() => {
+            Some("There is no comparison: open Compare, and choose two sides that it can show.")
+        }
         FigureOf::Live if state.doc.live_shown.is_none() => Some("The live view has no picture yet."),
         _ => None,
     }

@@ -14,13 +14,20 @@ pub(crate) enum FigureOf {
     Live,
     /// The source picture with its overlay.
     Source,
+    /// The pictures of Compare.
+    Compared,
 }
 
 impl FigureOf {
     /// Every choice: its name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 2] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
         (Self::Live, "Live view", "The live view as it is colored, rendered anew at the size of the figure."),
         (Self::Source, "Source picture", "The recorded picture with the overlay that is chosen."),
+        (
+            Self::Compared,
+            "Comparison",
+            "What Compare shows, zoomed as there: wiped, side by side, one of both, or their difference with its scale.",
+        ),
     ];
 }
 

@@ -214,7 +214,7 @@ pub(crate) enum ShareCommand {
     Open(Option<ShareWay>),
     Close,
     Change(Box<ShareOptions>),
-    /// Copy a figure of the source view where the pointer is over it or it fills the window, else of the live view.
+    /// Copy a figure of the source view or of the comparison where the pointer is over it or it fills the window, else of the live view.
     CopyFigure,
     /// Stop what is being written.
     Stop,

@@ -168,6 +168,10 @@ impl State {
                 .source_shown
                 .as_ref()
                 .map_or([0; 2], |shown| shown.picture.size.map(|side| side as u32)),
+            FigureOf::Compared => self.compared_figure().map_or([0; 2], |compared| {
+                let [_, _, columns, rows] = compared.part();
+                [columns, rows].map(|side| side as u32)
+            }),
         };
         let size = picture.png_bytes / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
         let millimeters = significant(options.figure.width_mm());

@@ -7,12 +7,14 @@ use image::RgbaImage;
 
 use crate::app::model::median_depth;
 use crate::app::rooms::colors::model::Display;
+use crate::app::rooms::compare::model::ComparisonFigure;
+use crate::app::rooms::compare::work::figure as compare_figure;
 use crate::app::rooms::live::model::{LiveKey, PixelSource, Unit};
 use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::share::model::FigureOptions;
 use crate::app::rooms::source::model::{Overlay, SourceKey};
-use crate::app::rooms::source::work::figure_meaning::{Meaning, of_live, of_source};
+use crate::app::rooms::source::work::figure_meaning::{self, Meaning, of_live, of_source};
 use crate::app::rooms::source::work::image::source_picture;
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::color::srgb8_from_linear;
@@ -100,6 +102,12 @@ pub(crate) fn of_live_view(key: &LiveKey, options: &FigureOptions, job: &Job) ->
     let meaning = of_live(key, rendered);
     let scale = scale_bar(&key.vantage.camera.intrinsics, &rendered.inverse_depth, options.unit);
     Ok(put_together(opaque(image), meaning, Some(scale), options))
+}
+
+/// A figure of a comparison as its view shows it.
+pub(crate) fn of_comparison(compared: &ComparisonFigure, options: &FigureOptions) -> Figure {
+    let picture = opaque(&compare_figure::image(compared));
+    put_together(picture, figure_meaning::of_comparison(compared), None, options)
 }
 
 /// A figure of a rendered picture, through a lens, or orthographic with so many world units from edge to edge, with what its colors mean.

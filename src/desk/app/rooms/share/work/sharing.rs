@@ -97,6 +97,7 @@ fn drawn<'a>(figure: &'a FigureExport, job: &Job) -> Result<(Figure, &'a FigureO
         FigureExport::Source { scene, key, options } => {
             (figures::of_source_picture(scene.source()?, key, options)?, options)
         }
+        FigureExport::Compared { compared, options } => (figures::of_comparison(compared, options), options),
     })
 }
 

@@ -326,7 +326,7 @@ fn line_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) -> Response {
+pub(crate) fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) -> Response {
     ui.spacing_mut().item_spacing.x = 5.0;
     let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
     ui.painter().rect_filled(rect, 2.0, color);

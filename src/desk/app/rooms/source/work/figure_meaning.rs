@@ -7,6 +7,7 @@ use egui::Color32;
 use crate::app::camera_cues;
 use crate::app::colormap::{diverging, sequential};
 use crate::app::model::percent;
+use crate::app::rooms::compare::model::{CLASSES, CompareMeasure, ComparisonFigure, ShownSides};
 use crate::app::rooms::live::model::{ColorBy, LiveKey, Unit};
 use crate::app::rooms::source::model::{Legend, Overlay, RATIO_RANGE, VIEW_DEPENDENCE_RANGE, ranked};
 use crate::app::theme::Tokens;
@@ -139,6 +140,33 @@ pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
         }
         ColorBy::SamplingRate => {
             Meaning { legend: Vec::new(), color_bar: Some(ratio("denser than pixels", "coarser")) }
+        }
+    }
+}
+
+/// Of a comparison: what both sides are called, and of a map of their difference what its colors mean.
+pub(crate) fn of_comparison(compared: &ComparisonFigure) -> Meaning {
+    let [left, right] = &compared.names;
+    let named = |text: &str| Meaning { legend: vec![words(text)], color_bar: None };
+    match compared.shown() {
+        ShownSides::One(side @ (0 | 1)) => named(&compared.names[side]),
+        ShownSides::One(_) => {
+            let mut meaning = named(&format!("Difference of {left} and {right}"));
+            let [low, high] = compared.measure.ends(compared.range);
+            if compared.measure == CompareMeasure::Class {
+                let classes = CLASSES
+                    .map(|(class, name)| LegendEntry { color: Some(class.color()), name: name.to_owned() });
+                meaning.legend.extend(classes);
+                meaning.legend.push(words(&format!("full color: {high}")));
+            } else {
+                meaning.color_bar = Some(bar([&low, "", &high], |position| compared.measure.color(position)));
+            }
+            meaning.legend.push(entry(Tokens::of(compared.dark).raised, "no sample on one side".to_owned()));
+            meaning
+        }
+        ShownSides::Wiped(_) | ShownSides::Beside => {
+            let sides = [format!("Left: {left}"), format!("Right: {right}")];
+            Meaning { legend: sides.iter().map(|side| words(side)).collect(), color_bar: None }
         }
     }
 }
