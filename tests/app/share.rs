@@ -196,6 +196,48 @@ fn a_figure_shows_the_comparison_as_it_is_compared() {
     assert!(rows_of_copied_figure(&mut window, "Comparison") > 300);
 }
 
+/// Opens the menu of a picture.
+fn open_menu(window: &mut Window, picture: &str) {
+    window.get_by_label(picture).click_secondary();
+    window.run_steps(3);
+}
+
+#[test]
+fn a_right_click_on_a_picture_copies_it_or_its_figure_and_leads_to_saving_one() {
+    const ADDRESS: &str = "Copy the address of this view";
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    // Cameras have a menu of their own.
+    click(&mut window, "Hide cameras");
+    choose(&mut window, "Source shows", "Motion");
+    settle(&mut window);
+    open_menu(&mut window, "Live picture");
+    assert!(window.query_by_label(ADDRESS).is_some() && window.query_by_label("Solo").is_none());
+    window.get_by_label("Copy picture").click();
+    assert!(copied_image(&mut window)[0] > 200, "as large as the view shows it");
+    open_menu(&mut window, "Source picture");
+    assert!(window.query_by_label(ADDRESS).is_none(), "a source picture has none");
+    window.get_by_label("Copy picture").click();
+    assert_eq!(copied_image(&mut window), [96, 72]);
+    open_menu(&mut window, "Source picture");
+    window.get_by_label("Copy figure").click();
+    assert_eq!(copied_image(&mut window)[0], 1417);
+    open_menu(&mut window, "Source picture");
+    click(&mut window, "Save figure…");
+    settle(&mut window);
+    let path = folder.path().join("motion.svg");
+    share_to(&mut window, &path, "Export");
+    wait_for_shared(&mut window);
+    assert!(std::fs::read_to_string(&path).unwrap().contains("stored for all frames"));
+    open_view(&mut window, "Compare");
+    wait(&mut window, "the comparison", |window| shows(window, "of pixels covered on one side only"));
+    open_menu(&mut window, "Comparison");
+    window.get_by_label("Copy picture").click();
+    let [columns, rows] = copied_image(&mut window);
+    assert!(shows(&window, &format!("The picture is on the clipboard: {columns}×{rows} pixels.")));
+}
+
 #[test]
 fn a_comparison_is_filmed_with_and_without_a_camera_path() {
     let folder = tempfile::tempdir().unwrap();

@@ -127,7 +127,7 @@ fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
         (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
         (Modifiers::COMMAND, Key::P, Command::Window(WindowCommand::Palette(palette))),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::Pixel(PixelCommand::CopyExplanation)),
-        (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure)),
+        (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure(None))),
         (Modifiers::NONE, Key::F11, Command::Window(WindowCommand::FullScreen)),
     ];
     let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));

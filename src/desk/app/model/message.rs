@@ -119,10 +119,10 @@ pub(crate) enum Message {
         scene: u64,
         left: usize,
     },
-    /// A figure for the clipboard, so many millimeters wide.
+    /// A figure for the clipboard, so many millimeters wide, or a picture without that.
     FigureDrawn {
         image: egui::ColorImage,
-        width_mm: f64,
+        width_mm: Option<f64>,
     },
     /// What is shared is written.
     Exported {

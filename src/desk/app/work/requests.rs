@@ -183,6 +183,8 @@ pub(crate) enum Export {
     Figure(Box<FigureExport>),
     /// The same, for the clipboard; its path counts for nothing.
     CopyFigure(Box<FigureExport>),
+    /// Its picture alone, for the clipboard.
+    CopyPicture(Box<FigureExport>),
     /// Points of a frame, or a folder with those of each.
     Points { frame: Option<usize> },
 }
@@ -223,7 +225,7 @@ impl ExportRequest {
     /// What is left of it once it was stopped, in words.
     pub(crate) fn stopped(&self) -> String {
         let written = match &self.what {
-            Export::CopyFigure(_) => return "Nothing was copied.".to_owned(),
+            Export::CopyFigure(_) | Export::CopyPicture(_) => return "Nothing was copied.".to_owned(),
             Export::Path(path) if path.target.film_rate.is_none() => {
                 "Only the pictures rendered until then were"
             }

@@ -10,6 +10,8 @@ use super::model::{
 use crate::app::model::{Command, Commands, Content, State};
 use crate::app::rooms::compare::model::CompareCommand;
 use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::share::model::FigureOf;
+use crate::app::rooms::share::ui::picture_menu_ui;
 use crate::app::rooms::source::model::PictureZoom;
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::{Tokens, space};
@@ -42,7 +44,7 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
     }
     let pointed = match &state.doc.compare_error {
         Some(_) => None,
-        None => canvas_ui(ui, canvas, state, &mut look),
+        None => canvas_ui(ui, canvas, state, &mut look, commands),
     };
     ui.allocate_rect(canvas, Sense::hover());
     footer_ui(ui, state, &mut look, pointed);
@@ -158,7 +160,13 @@ fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
 }
 
 /// The two pictures; gives the pixel under the pointer.
-fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -> Option<[usize; 2]> {
+fn canvas_ui(
+    ui: &mut Ui,
+    canvas: Rect,
+    state: &State,
+    look: &mut CompareLook,
+    commands: &mut Commands,
+) -> Option<[usize; 2]> {
     let tokens = Tokens::in_ui(ui);
     let (response, painter) = widgets::canvas_ui(ui, canvas, "comparison", "Comparison");
     widgets::empty_canvas(ui, &painter, canvas);
@@ -166,6 +174,7 @@ fn canvas_ui(ui: &mut Ui, canvas: Rect, state: &State, look: &mut CompareLook) -
         waiting(ui, canvas, 28.0);
         return None;
     };
+    picture_menu_ui(&response, FigureOf::Compared, state, commands);
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
     let flipped = response.is_pointer_button_down_on() && look.mode == CompareMode::Flip
         || ui.input(|input| input.key_down(Key::X));

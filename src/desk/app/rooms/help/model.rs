@@ -61,6 +61,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("P", "pin or unpin the pixel"),
             ("F", "center view on the selected pixel"),
             ("Ctrl + Shift + C, F", "copy the explanation, or a figure"),
+            ("Right click", "copy a picture, copy or save a figure of it"),
         ],
     ),
     (

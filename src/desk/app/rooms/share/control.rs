@@ -44,7 +44,12 @@ impl OverlookApp {
                 }
                 share.options = *options;
             }
-            ShareCommand::CopyFigure => self.copy_figure(),
+            ShareCommand::CopyFigure(of) => {
+                let of = of.unwrap_or_else(|| self.view_of_figure());
+                self.copy_view_as(of, Export::CopyFigure);
+            }
+            ShareCommand::CopyPicture(FigureOf::Live) => self.copy_picture(),
+            ShareCommand::CopyPicture(of) => self.copy_view_as(of, Export::CopyPicture),
             ShareCommand::Stop => {
                 let is_export = |busy: &model::Busy| busy.work == StoppableWork::Export;
                 if self.state.busy.iter().any(is_export) {
@@ -91,18 +96,21 @@ impl OverlookApp {
         self.workers.export.submit(ExportRequest { path, source, what: Export::Figure(Box::new(figure)) });
     }
 
-    /// Copies the figure that the dialog would write of a view, with the options that were chosen last.
-    fn copy_figure(&mut self) {
-        let pointed = self.state.look.maximized.or_else(|| self.dock.pointed_at());
-        let of = match pointed {
+    /// The view that a figure is of where none is named.
+    fn view_of_figure(&self) -> FigureOf {
+        match self.state.look.maximized.or_else(|| self.dock.pointed_at()) {
             Some(DockView::Source) => FigureOf::Source,
             Some(DockView::Compare) => FigureOf::Compared,
             _ => FigureOf::Live,
-        };
+        }
+    }
+
+    /// Copies the figure that the dialog would write of a view, with the options that were chosen last, or its picture alone.
+    fn copy_view_as(&mut self, of: FigureOf, export: impl FnOnce(Box<FigureExport>) -> Export) {
         let missing = no_scene(&self.state).or_else(|| no_figure(&self.state, of));
         match self.figure(of) {
             Some((figure, source)) if missing.is_none() => {
-                let what = Export::CopyFigure(Box::new(figure));
+                let what = export(Box::new(figure));
                 self.workers.export.submit(ExportRequest { path: PathBuf::new(), source, what });
             }
             _ => {
@@ -112,11 +120,15 @@ impl OverlookApp {
         }
     }
 
-    /// Takes in a figure that was drawn to be copied.
-    pub(crate) fn figure_drawn(&mut self, image: egui::ColorImage, width_mm: f64) {
-        let ([columns, rows], width) = (image.size, model::significant(width_mm));
+    /// Takes in a figure that was drawn to be copied, so many millimeters wide, or a picture alone.
+    pub(crate) fn figure_drawn(&mut self, image: egui::ColorImage, width_mm: Option<f64>) {
+        let [columns, rows] = image.size;
         self.ctx.copy_image(image);
-        let text = format!("The figure is on the clipboard: {columns}×{rows} pixels, {width} mm wide.");
+        let size = format!("{columns}×{rows} pixels");
+        let text = match width_mm.map(model::significant) {
+            Some(width) => format!("The figure is on the clipboard: {size}, {width} mm wide."),
+            None => format!("The picture is on the clipboard: {size}."),
+        };
         self.state.notify(NoticeKind::Done, "Copied", text);
     }
 

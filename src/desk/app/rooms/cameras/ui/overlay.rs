@@ -226,7 +226,6 @@ pub(crate) fn answer(
     pointed_at: Option<usize>,
     commands: &mut Commands,
 ) -> bool {
-    menu(ui, response, state, pointed_at, commands);
     let Some(camera) = pointed_at.filter(|_| !response.dragged()) else { return false };
     ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
     let name =
@@ -243,19 +242,19 @@ pub(crate) fn answer(
     true
 }
 
-/// What can be done to the camera that the menu was opened on.
+/// What can be done to the camera that the menu was opened on; whether there is one.
 pub(crate) fn menu(
     ui: &Ui,
     response: &Response,
     state: &State,
     pointed_at: Option<usize>,
     commands: &mut Commands,
-) {
+) -> bool {
     let id = response.id.with("camera of the menu");
     if response.secondary_clicked() {
         ui.data_mut(|data| data.insert_temp(id, pointed_at));
     }
-    let Some(camera) = ui.data(|data| data.get_temp::<Option<usize>>(id)).flatten() else { return };
+    let Some(camera) = ui.data(|data| data.get_temp::<Option<usize>>(id)).flatten() else { return false };
     response.context_menu(|ui| {
         let cameras = &state.live.cameras;
         let is_solo = cameras.solo == Some(camera);
@@ -275,4 +274,5 @@ pub(crate) fn menu(
             }
         }
     });
+    true
 }

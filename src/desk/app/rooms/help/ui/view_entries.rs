@@ -31,7 +31,7 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     let verb = if hides { "Show" } else { "Hide" };
     entries.push((format!("{verb} the summary bar"), "", Command::Window(WindowCommand::ShowTotals(hides))));
     entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
-    let copy = Command::Share(ShareCommand::CopyFigure);
+    let copy = Command::Share(ShareCommand::CopyFigure(None));
     entries.push(("Copy figure to the clipboard".to_owned(), "Ctrl+Shift+F", copy));
     for (way, name, _) in ShareWay::ALL {
         let keys = if way == ShareWay::Store { "Ctrl+S" } else { "" };

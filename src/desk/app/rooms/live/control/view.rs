@@ -161,7 +161,7 @@ impl OverlookApp {
         }
     }
 
-    fn copy_picture(&mut self) {
+    pub(crate) fn copy_picture(&mut self) {
         if self.state.doc.live_shown.is_none() {
             return;
         }

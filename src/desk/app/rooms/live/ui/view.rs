@@ -14,6 +14,8 @@ use crate::app::rooms::edits::ui::{drawing, shapes as edit_shapes};
 use crate::app::rooms::live::model::{ColorBy, HoleDisplay, ViewCommand};
 use crate::app::rooms::live::ui::{go_to, guides};
 use crate::app::rooms::pixel::model::{Spot, verdict_text as words};
+use crate::app::rooms::share::model::FigureOf;
+use crate::app::rooms::share::ui::picture_menu_ui;
 use crate::app::rooms::source::ui::view::FOOTER;
 use crate::app::rooms::source::ui::{legend, view as source_view};
 use crate::app::theme::Tokens;
@@ -113,6 +115,9 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
     let draws = draw_ui(ui, &response, &painter, canvas, state, commands);
+    if !cameras_overlay::menu(ui, &response, state, pointed_at, commands) {
+        picture_menu_ui(&response, FigureOf::Live, state, commands);
+    }
     let is_taken = draws || cameras_overlay::answer(ui, &response, state, pointed_at, commands);
     let is_taken = edit_shapes::shape_ui(ui, &painter, canvas, state, commands) || is_taken;
     motion(ui, &response, canvas, state, is_taken, commands);

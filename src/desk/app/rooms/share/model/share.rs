@@ -214,8 +214,11 @@ pub(crate) enum ShareCommand {
     Open(Option<ShareWay>),
     Close,
     Change(Box<ShareOptions>),
-    /// Copy a figure of the source view or of the comparison where the pointer is over it or it fills the window, else of the live view.
-    CopyFigure,
+    /// Copy a figure of a view; by `None` of the source view or the comparison where the pointer is over it or it fills the window, else
+    /// of the live view.
+    CopyFigure(Option<FigureOf>),
+    /// Copy the picture of a view as it is shown, with nothing around it.
+    CopyPicture(FigureOf),
     /// Stop what is being written.
     Stop,
     /// Open the folder of a file in the system's file manager.

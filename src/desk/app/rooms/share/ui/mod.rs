@@ -2,5 +2,7 @@
 
 pub(crate) mod options;
 pub(crate) mod panel;
+pub(crate) mod picture_menu;
 
 pub(crate) use panel::share_ui;
+pub(crate) use picture_menu::picture_menu_ui;

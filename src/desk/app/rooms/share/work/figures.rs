@@ -153,9 +153,17 @@ pub(crate) fn image(figure: &Figure) -> Result<ColorImage> {
     let png = figure.chart()?.png()?;
     let pixels =
         image::load_from_memory(&png).map_err(|error| Error::invalid("figure", error.to_string()))?;
-    let pixels = pixels.into_rgba8();
+    Ok(color_image(&pixels.into_rgba8()))
+}
+
+/// The picture of a figure alone.
+pub(crate) fn picture(figure: &Figure) -> ColorImage {
+    color_image(&figure.picture)
+}
+
+fn color_image(pixels: &RgbaImage) -> ColorImage {
     let size = [pixels.width(), pixels.height()].map(|side| side as usize);
-    Ok(ColorImage::from_rgba_unmultiplied(size, &pixels))
+    ColorImage::from_rgba_unmultiplied(size, pixels)
 }
 
 fn bytes_of(path: &Path, chart: &Chart) -> Result<Vec<u8>> {

@@ -45,8 +45,12 @@ pub(crate) fn export(
             let (figure, options) = drawn(figure, job)?;
             return Ok(Message::FigureDrawn {
                 image: figures::image(&figure)?,
-                width_mm: options.width_mm(),
+                width_mm: Some(options.width_mm()),
             });
+        }
+        Export::CopyPicture(figure) => {
+            let (figure, _) = drawn(figure, job)?;
+            return Ok(Message::FigureDrawn { image: figures::picture(&figure), width_mm: None });
         }
         Export::Points { frame: Some(frame) } => {
             let points = write_points(path, &*at(source, *frame, job)?, *frame)?;

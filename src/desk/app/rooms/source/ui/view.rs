@@ -13,6 +13,8 @@ use crate::app::rooms::edits::ui::drawing;
 use crate::app::rooms::edits::ui::drawing::{Drawn, PicturePlace};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::pixel::model::{PixelCommand, Spot, verdict_text as words};
+use crate::app::rooms::share::model::FigureOf;
+use crate::app::rooms::share::ui::picture_menu_ui;
 use crate::app::rooms::source::model::{Legend, Overlay, PictureZoom, SourceCommand};
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::Tokens;
@@ -99,6 +101,7 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
         legend::tile_shares(&painter, picture, size, shares, tokens);
     }
     let place = PicturePlace { corner: picture.min, scale, shown: picture.intersect(canvas) };
+    picture_menu_ui(&response, FigureOf::Source, state, commands);
     let is_taken = draw_ui(ui, &response, &painter, &place, state, commands);
     zoom_and_pan(ui, &response, picture, state, is_taken, commands);
     widgets::note_picture(ui, picture.intersect(canvas), "source picture");
