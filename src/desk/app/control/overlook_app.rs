@@ -4,7 +4,6 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, sync_channel};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use crate::address::ViewAddress;
@@ -62,10 +61,6 @@ pub struct OverlookApp {
     pub(crate) ctx: egui::Context,
     /// The renderer of the window, if that is wgpu.
     pub(crate) window: Option<eframe::egui_wgpu::RenderState>,
-    /// Where a picture of the window is to be written, once it is taken.
-    pub(crate) shot_wanted: Option<PathBuf>,
-    /// The picture of the window that was taken last.
-    pub(crate) shot: Arc<Mutex<Option<Arc<egui::ColorImage>>>>,
     /// When each kind of work that is watched began, by its words.
     pub(crate) stages: std::collections::HashMap<String, Instant>,
     /// The view to go to once a path is open.
@@ -118,8 +113,6 @@ impl OverlookApp {
             last_typed: None,
             ctx: ctx.clone(),
             window: window.cloned(),
-            shot_wanted: None,
-            shot: Arc::default(),
             stages: std::collections::HashMap::new(),
             address_to_open: None,
             least_period: LeastPeriod::default(),
@@ -144,7 +137,6 @@ impl OverlookApp {
         }
         self.carry_out_commands();
         self.take_dropped_files();
-        self.take_shot();
         self.advance_time();
         self.advance_path();
         self.watch_closing();

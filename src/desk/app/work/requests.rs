@@ -91,12 +91,6 @@ pub(crate) enum FileRequest {
         rendered: Arc<Picture>,
         display: Display,
     },
-    /// Write a part of the window: left, top, columns and rows of its picture.
-    SaveShot {
-        path: PathBuf,
-        picture: Arc<egui::ColorImage>,
-        area: [usize; 4],
-    },
     LoadSettings {
         path: PathBuf,
     },
@@ -135,7 +129,6 @@ impl FileRequest {
             | Self::SaveSettings { path, .. }
             | Self::SaveText { path, .. }
             | Self::SavePicture { path, .. }
-            | Self::SaveShot { path, .. }
             | Self::SavePath { path, .. } => {
                 ("Saving stopped", format!("Nothing was written to {}.", path.display()))
             }

@@ -46,7 +46,6 @@ pub(crate) fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::SaveSettings => "settings.toml".to_owned(),
         Purpose::SavePicture => "picture.png".to_owned(),
         Purpose::SaveTable(table) => table.file().to_owned(),
-        Purpose::SaveShot => "view.png".to_owned(),
         Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
         Purpose::ExportFilm => "video.mp4".to_owned(),
         Purpose::SavePath => "transforms.json".to_owned(),

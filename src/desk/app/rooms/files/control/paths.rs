@@ -8,7 +8,7 @@ use super::path_names::{lasting, named, other_ending, place, suggested_name, typ
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::{Command, Content, SceneSource, State, WorkKind};
 use crate::app::rooms::files::model::{Destination, FileCommand, Opening, Purpose, TypedPath};
-use crate::app::rooms::frame::model::{DockView, NoticeKind};
+use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::path::model::NO_KEYS;
 use crate::app::rooms::report::model::{TableForm, table_text};
 use crate::app::rooms::share::model::FigureOf;
@@ -163,7 +163,6 @@ impl OverlookApp {
                 }
             }
             Purpose::SavePicture => self.save_picture(path),
-            Purpose::SaveShot => self.save_shot(path),
             Purpose::SavePath => self.save_path(path),
             Purpose::LoadPath => {
                 if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
@@ -204,38 +203,6 @@ impl OverlookApp {
             self.state.share.asked = None;
             self.notify_in_motion();
         }
-    }
-
-    /// Takes a picture of the window once it is drawn without the field that the path was typed into.
-    fn save_shot(&mut self, path: PathBuf) {
-        let path = if path.extension().is_some() { path } else { path.with_extension("png") };
-        if !self.visible_views().contains(&DockView::Live) {
-            let text = "The live view is behind another one; bring it to the front, then try again.";
-            self.state.share.asked = None;
-            return self.state.warn_of_scene("No view to save", text);
-        }
-        // The dialog would be in the picture.
-        self.state.share.is_open = false;
-        self.state.share.asked = None;
-        self.shot_wanted = Some(path);
-        let (shot, ctx) = (self.shot.clone(), self.ctx.clone());
-        let taken = egui::ScreenshotCallback::new(move |image| {
-            *shot.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(image);
-            ctx.request_repaint();
-        });
-        self.ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
-    }
-
-    /// Writes the picture of the window that was taken, if one was.
-    pub(crate) fn take_shot(&mut self) {
-        let taken = self.shot.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
-        let Some(picture) = taken else { return };
-        let Some(path) = self.shot_wanted.take() else { return };
-        let scale = picture.size[0] as f32 / self.ctx.content_rect().width().max(1.0);
-        let area = self.state.live.area;
-        let area = [area.left(), area.top(), area.width(), area.height()]
-            .map(|side| (side * scale).round().max(0.0) as usize);
-        self.workers.file.submit(FileRequest::SaveShot { path, picture, area });
     }
 
     fn save_path(&mut self, path: PathBuf) {
@@ -314,8 +281,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         | Purpose::OpenFolder
         | Purpose::SaveSettings
         | Purpose::LoadSettings
-        | Purpose::SavePicture
-        | Purpose::SaveShot => return None,
+        | Purpose::SavePicture => return None,
     };
     text.map(|text| (title, text.to_owned()))
 }

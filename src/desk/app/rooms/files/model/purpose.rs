@@ -24,8 +24,6 @@ pub(crate) enum Purpose {
     SaveTable(Table),
     /// Write the pictures of the camera path into a folder.
     ExportPictures,
-    /// Write the picture of the live view with all that lies over it, and its legend.
-    SaveShot,
     /// Write the pictures of the camera path into a folder, as EXR with depth.
     ExportExr,
     /// Write a film of the camera path.
@@ -70,8 +68,7 @@ impl Purpose {
 
     /// Whether the dialog of all ways out asks for it.
     pub(crate) fn is_shared(self) -> bool {
-        self.work() == WorkKind::Export
-            || matches!(self, Self::SaveStore | Self::SavePicture | Self::SaveShot)
+        self.work() == WorkKind::Export || matches!(self, Self::SaveStore | Self::SavePicture)
     }
 
     /// The work that reads or writes there.
@@ -101,7 +98,6 @@ impl Purpose {
             Self::SavePicture => "Share the picture of the live view",
             Self::SaveTable(_) => "Save a table as CSV, Markdown (.md) or LaTeX (.tex)",
             Self::ExportPictures => "Share pictures in a folder",
-            Self::SaveShot => "Share the view with its legend",
             Self::ExportExr => "Share EXR pictures in a folder",
             Self::SavePath => "Save the camera path",
             Self::LoadPath => "Open a camera path",
@@ -138,7 +134,6 @@ impl Purpose {
             Self::SaveSession => "Save session…",
             Self::SaveStore
             | Self::SavePicture
-            | Self::SaveShot
             | Self::ExportPictures
             | Self::ExportExr
             | Self::ExportFilm

@@ -30,7 +30,6 @@ fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
         Purpose::SaveSettings | Purpose::SaveEdits => ("Save", ".toml file"),
         Purpose::SaveSession => ("Save", ".overlook file"),
         Purpose::SaveTable(_) => ("Save", ".csv, .md or .tex file"),
-        Purpose::SaveShot => ("Save", ".png file"),
         Purpose::SavePicture => ("Save", ".png or .exr file"),
         Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportPointsOfFrames => ("Export", "folder"),
         Purpose::ExportPage => ("Export", ".html file"),

@@ -62,18 +62,6 @@ pub(crate) fn save_picture(
     write_rgba(path, picture.size, bytes.collect())
 }
 
-/// Writes a part of a picture of the window.
-fn save_shot(path: &Path, picture: &ColorImage, [left, top, columns, rows]: [usize; 4]) -> Result<()> {
-    let [width, height] = picture.size;
-    let (columns, rows) = (columns.min(width.saturating_sub(left)), rows.min(height.saturating_sub(top)));
-    let places = (top..top + rows).flat_map(|y| (left..left + columns).map(move |x| y * width + x));
-    let bytes = places.flat_map(|at| {
-        let pixel = picture.pixels[at];
-        [pixel.r(), pixel.g(), pixel.b(), u8::MAX]
-    });
-    write_rgba(path, [columns, rows], bytes.collect())
-}
-
 /// Writes a PNG. The file takes its name once it is whole.
 fn write_rgba(path: &Path, [width, height]: [usize; 2], bytes: Vec<u8>) -> Result<()> {
     let png = RgbaImage::from_raw(width as u32, height as u32, bytes).filter(|_| width * height > 0);
@@ -130,10 +118,6 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
         }
         FileRequest::SaveText { path, text } => {
             whole_file::write_all(&path, text)?;
-            (path, None, None)
-        }
-        FileRequest::SaveShot { path, picture, area } => {
-            save_shot(&path, &picture, area)?;
             (path, None, None)
         }
         FileRequest::SavePath { path, scene, camera_path, size, up_in_world } => {
@@ -210,7 +194,6 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
             .fold(dialog, |dialog, (_, name, ending)| dialog.add_filter(*name, &[ending]))
             .save_file(),
         Purpose::SavePicture => dialog.add_filter("PNG, EXR", &ENDINGS).save_file(),
-        Purpose::SaveShot => dialog.add_filter("PNG", &["png"]).save_file(),
         Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "m4v"]).save_file(),
         Purpose::ExportPage => dialog.add_filter("HTML", &["html"]).save_file(),
         Purpose::ExportSplats(format) => dialog.add_filter("Splats", &[format.name()]).save_file(),

@@ -60,7 +60,6 @@ impl OverlookApp {
             ViewCommand::ColorBy(color_by) => live.color_by = color_by,
             ViewCommand::ShowCameras(show) => live.show_cameras = show,
             ViewCommand::Size(size) => live.size = size,
-            ViewCommand::Area(area) => live.area = area,
             ViewCommand::Holes(holes) => self.show_holes(holes),
             ViewCommand::Home => {
                 let up = self.state.up_in_world();

@@ -66,8 +66,6 @@ pub(crate) enum ViewCommand {
     Holes(HoleDisplay),
     ShowCameras(bool),
     Size([u32; 2]),
-    /// The area of the live view and its legend in the window, points.
-    Area(egui::Rect),
     CopyPicture,
     /// Center the live view on the selected pixel.
     FramePoint,

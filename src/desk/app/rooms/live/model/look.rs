@@ -27,8 +27,6 @@ pub(crate) struct LiveLook {
     pub unit: Unit,
     /// The chosen direction of up in world space; `None` takes the one of the capture.
     pub up: Option<DVec3>,
-    /// The area of the view and its legend in the window, points.
-    pub area: egui::Rect,
     /// How fast keys fly, in the speed of a first run.
     pub fly_speed: f64,
     /// Whether the GPU may paint on the device that draws the window.
@@ -64,7 +62,6 @@ impl Default for LiveLook {
             ruler: Ruler::default(),
             unit: Unit::default(),
             up: None,
-            area: egui::Rect::NOTHING,
             fly_speed: 1.0,
             shares_device: false,
             is_held: false,

@@ -38,10 +38,6 @@ const LARGEST_SIDE: f32 = 1600.0;
 const LABEL_WIDTH: f32 = 66.0;
 
 pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let area = ui.max_rect();
-    if area != state.live.area {
-        commands.push(Command::View(ViewCommand::Area(area)));
-    }
     header_ui(ui, state, commands);
     let available = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(available.min, available.max - vec2(0.0, FOOTER));

@@ -76,15 +76,13 @@ impl ShareWay {
 pub(crate) enum SharedPictures {
     #[default]
     View,
-    ViewWithLegend,
     CameraPath,
 }
 
 impl SharedPictures {
     /// Every choice: its name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 2] = [
         (Self::View, "This view", "The picture of the live view."),
-        (Self::ViewWithLegend, "With legend", "The live view with all that lies over it, and its legend."),
         (Self::CameraPath, "Camera path", "A folder of numbered pictures along the camera path."),
     ];
 }
@@ -147,7 +145,6 @@ impl ShareOptions {
             (ShareWay::Splats, _) => Purpose::ExportSplats(self.format),
             (ShareWay::Film, _) => Purpose::ExportFilm,
             (ShareWay::Pictures, SharedPictures::View) => Purpose::SavePicture,
-            (ShareWay::Pictures, SharedPictures::ViewWithLegend) => Purpose::SaveShot,
             (ShareWay::Pictures, SharedPictures::CameraPath) if self.linear && self.compares.is_none() => {
                 Purpose::ExportExr
             }

@@ -142,8 +142,7 @@ impl State {
         let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
         let is_path = options.pictures == SharedPictures::CameraPath;
         let is_compared = is_path && options.compares.is_some();
-        let is_linear = options.linear && options.pictures != SharedPictures::ViewWithLegend && !is_compared;
-        let whole = if is_linear { picture.exr_bytes } else { picture.png_bytes };
+        let whole = if options.linear && !is_compared { picture.exr_bytes } else { picture.png_bytes };
         if !is_path {
             return ShareSize::about(whole, "as the live view shows it".to_owned());
         }

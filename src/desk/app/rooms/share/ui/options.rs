@@ -1,6 +1,6 @@
 //! The options of each way out.
 
-use egui::{DragValue, Grid, TextEdit, Ui};
+use egui::{DragValue, Grid, RichText, TextEdit, Ui};
 
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::path::ui::size_ui;
@@ -78,6 +78,13 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
         }
         ShareWay::Store if !state.live.cameras.shows_all() => {
             note(ui, "Cameras that the live view leaves out are in it as well.");
+        }
+        ShareWay::Pictures if options.pictures == SharedPictures::View => {
+            let link =
+                ui.link(RichText::new("With what its colors mean and a scale bar it is a figure.").small());
+            if link.accessible_name("Share a figure of this view").clicked() {
+                (options.way, options.figure_of) = (ShareWay::Figure, FigureOf::Live);
+            }
         }
         ShareWay::Page if state.doc.path.pictures() > 0 => {
             let keys = &state.doc.path.keys;
@@ -179,7 +186,7 @@ fn pictures_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands:
         compares_ui(ui, state, options);
     }
     let is_compared = is_path && options.compares.is_some();
-    if options.pictures != SharedPictures::ViewWithLegend && !is_compared {
+    if !is_compared {
         ui.label("Format");
         options.linear = segments_ui(ui, "Format", options.linear, KINDS).unwrap_or(options.linear);
         ui.end_row();
