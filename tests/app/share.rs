@@ -196,6 +196,33 @@ fn a_figure_shows_the_comparison_as_it_is_compared() {
     assert!(rows_of_copied_figure(&mut window, "Comparison") > 300);
 }
 
+#[test]
+fn hidden_cameras_are_left_out_of_the_store_by_one_edit_that_is_taken_back() {
+    const NOTE: &str = "Cameras that the live view leaves out are in it as well.";
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_share(&mut window, "Store");
+    assert!(!shows(&window, NOTE), "all cameras are shown");
+    click(&mut window, "Close sharing");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    window.run_steps(3);
+    window.get_by_label("Command").type_text("solo camera left");
+    window.run_steps(3);
+    click(&mut window, "Do: Solo camera left");
+    settle(&mut window);
+    open_share(&mut window, "Store");
+    assert!(shows(&window, NOTE));
+    click(&mut window, "Leave hidden cameras out");
+    settle(&mut window);
+    assert!(!shows(&window, NOTE), "there is none in it any more");
+    click(&mut window, "Close sharing");
+    open_view(&mut window, "Edits");
+    assert_eq!(window.get_all_by_label_contains("Name of edit").count(), 1, "one edit for both");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert!(shows(&window, "No edits yet"));
+}
+
 /// Opens the menu of a picture.
 fn open_menu(window: &mut Window, picture: &str) {
     window.get_by_label(picture).click_secondary();

@@ -76,7 +76,7 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     settle(&mut app);
     assert_eq!(app.state.edited().unwrap().deleted, deleted);
     delete(&mut app, Region::ConfirmedByFewerThan(1));
-    edit(&mut app, EditCommand::LeaveOut(1));
+    edit(&mut app, EditCommand::LeaveOut(vec![1]));
     assert!(app.state.unsaved_work().is_some_and(|work| work.contains("3 edits")));
     app.take_path(Purpose::SaveEdits, list.clone());
     app.take_path(Purpose::SaveStore, store.clone());

@@ -7,6 +7,7 @@ use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::work::FileRequest;
 use overlook_engine::edits::{Action, Edit, EditList, Region};
+use overlook_engine::plural::counted;
 
 impl OverlookApp {
     /// Carries out what concerns edits.
@@ -46,11 +47,16 @@ impl OverlookApp {
                     (edits.selection, edits.tool) = (None, None);
                 }
             }
-            EditCommand::LeaveOut(camera) => {
+            EditCommand::LeaveOut(cameras) => {
                 let Some(scene) = &self.state.doc.scene else { return };
-                let Some(camera) = scene.cameras.get(camera) else { return };
-                let region = Region::Cameras(vec![camera.name.clone()]);
-                let edit = Edit::new(format!("Leave out {}", camera.name), Action::LeaveOut, region);
+                let known = cameras.into_iter().filter_map(|camera| scene.cameras.get(camera));
+                let names: Vec<String> = known.map(|camera| camera.name.clone()).collect();
+                let what = match &names[..] {
+                    [] => return,
+                    [name] => name.clone(),
+                    names => counted(names.len(), "camera"),
+                };
+                let edit = Edit::new(format!("Leave out {what}"), Action::LeaveOut, Region::Cameras(names));
                 edits.change(true, |list| list.edits.push(edit));
             }
             EditCommand::Switch(index, on) => edits.change(true, |list| {

@@ -159,7 +159,8 @@ pub(crate) enum EditCommand {
     Range([i64; 2]),
     /// Delete or keep what is selected, or bring it back.
     Act(Action),
-    LeaveOut(usize),
+    /// Leave cameras out of everything, by their indices, in one edit.
+    LeaveOut(Vec<usize>),
     Switch(usize, bool),
     Rename(usize, String),
     /// Move an edit to another place in the list.

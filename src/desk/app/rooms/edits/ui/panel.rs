@@ -213,7 +213,7 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
         let scene = state.doc.scene.as_ref();
         let leave_out = |name: &str| {
             let index = scene.and_then(|scene| scene.cameras.iter().position(|camera| camera.name == name));
-            EditCommand::LeaveOut(index.unwrap_or(usize::MAX))
+            EditCommand::LeaveOut(index.into_iter().collect())
         };
         cameras_ui(ui, state, "Leave out camera", leave_out, sent);
         for (icon, name, help, command, is_possible) in [

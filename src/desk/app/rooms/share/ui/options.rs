@@ -3,6 +3,7 @@
 use egui::{DragValue, Grid, RichText, TextEdit, Ui};
 
 use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::edits::model::EditCommand;
 use crate::app::rooms::path::ui::size_ui;
 use crate::app::rooms::share::model::{
     DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
@@ -76,9 +77,7 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
             let number = state.timeline.frame + 1;
             note(ui, format!("Such a file holds one frame: number {number}, which is shown."));
         }
-        ShareWay::Store if !state.live.cameras.shows_all() => {
-            note(ui, "Cameras that the live view leaves out are in it as well.");
-        }
+        ShareWay::Store if !state.live.cameras.shows_all() => hidden_cameras_ui(ui, state, commands),
         ShareWay::Pictures if options.pictures == SharedPictures::View => {
             let link =
                 ui.link(RichText::new("With what its colors mean and a scale bar it is a figure.").small());
@@ -238,6 +237,27 @@ fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
     let caption = TextEdit::multiline(&mut figure.caption).desired_width(f32::INFINITY).desired_rows(2);
     ui.add(caption).accessible_name("Caption of the figure");
     ui.end_row();
+}
+
+/// Says that cameras which the live view hides are saved, and leaves them out where that is wanted.
+fn hidden_cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let Some(scene) = &state.doc.scene else { return };
+    let left_out = state.doc.edits.list.cameras_left_out();
+    let is_in = |index: &usize| !left_out.contains(scene.cameras[*index].name.as_str());
+    let saved: Vec<usize> = (0..scene.cameras.len()).filter(is_in).collect();
+    let hidden: Vec<usize> =
+        saved.iter().copied().filter(|camera| !state.live.cameras.shows(*camera)).collect();
+    if hidden.is_empty() {
+        return;
+    }
+    note(ui, "Cameras that the live view leaves out are in it as well.");
+    // Something has to be left.
+    if hidden.len() < saved.len() {
+        let help = "In one edit: they take no part in pruning and are not saved. Ctrl+Z takes it back.";
+        if ui.button("Leave hidden cameras out").on_hover_text(help).clicked() {
+            commands.push(Command::Edit(EditCommand::LeaveOut(hidden)));
+        }
+    }
 }
 
 fn store_ui(ui: &mut Ui, state: &State) {
