@@ -143,4 +143,7 @@ fn the_range_of_a_value_is_dragged_on_its_histogram_and_taken_from_the_values() 
         full[0] >= 0.0 && full[0] <= most[0] && most[0] < most[1] && most[1] < full[1],
         "{full:?} {most:?}"
     );
+    click(&mut window, "Select this range of red");
+    settle(&mut window);
+    assert!(super::driver::shows(&window, "range of red"), "its samples are selected");
 }

@@ -1,7 +1,7 @@
 //! Editing by hand with the pointer: drawing in source pictures and in the live view, and the panel of all of it.
 
 use egui::{Key, Modifiers, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::driver::{SIZE, Window, choose, click, drag, look_at, open, open_view, settle, shows, small_demo};
 use super::layout_faults::faults;
@@ -62,23 +62,52 @@ fn a_thing_is_outlined_or_brushed_over_in_a_source_picture_and_in_the_live_view_
     }
 }
 
+/// Clicks in the middle of a picture.
+fn click_in(window: &mut Window, picture: &str) {
+    let pos = window.get_by_label(picture).rect().center();
+    window.hover_at(pos);
+    window.run_steps(2);
+    for pressed in [true, false] {
+        let button = egui::PointerButton::Primary;
+        window.event(egui::Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE });
+        window.step();
+    }
+    settle(window);
+}
+
+/// A number of the panel.
+fn number(window: &Window, name: &str) -> f64 {
+    window.query_all_by_label(name).find_map(|node| node.accesskit_node().numeric_value()).unwrap()
+}
+
+#[test]
+fn a_click_selects_a_color_and_near_and_far_are_numbers() {
+    let mut window = editing();
+    press(&mut window, Modifiers::NONE, Key::C);
+    let color =
+        |window: &Window| ["red", "green", "blue"].map(|part| number(window, &format!("Color {part}")));
+    click_in(&mut window, "Live picture");
+    let clicked = color(&window);
+    assert!(shows(&window, "in memory") && number(&window, "Tolerance X") > 0.0);
+    // The selection is shown in another color, which is not the one that is clicked on.
+    click_in(&mut window, "Live picture");
+    assert_eq!(color(&window), clicked);
+    click_in(&mut window, "Source picture");
+    assert!(shows(&window, "in memory"));
+    press(&mut window, Modifiers::COMMAND, Key::I);
+    assert!(shows(&window, "not color"));
+    press(&mut window, Modifiers::NONE, Key::C);
+    click(&mut window, "Select Near and far");
+    settle(&mut window);
+    assert!(shows(&window, "range of depth"));
+    assert!(number(&window, "Depth from") == 0.0 && number(&window, "Depth to") > 0.0);
+}
+
 #[test]
 fn a_click_selects_a_surface_which_grows_and_is_inverted_by_keys() {
     let mut window = editing();
     click(&mut window, "Select Same surface");
-    let area = window.get_by_label("Live picture").rect();
-    window.hover_at(area.center());
-    window.run_steps(2);
-    for pressed in [true, false] {
-        window.event(egui::Event::PointerButton {
-            pos: area.center(),
-            button: egui::PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        });
-        window.step();
-    }
-    settle(&mut window);
+    click_in(&mut window, "Live picture");
     assert!(window.query_by_label("Step X").is_some(), "a surface is selected");
     press(&mut window, Modifiers::NONE, Key::G);
     assert!(shows(&window, "surface, grown"));

@@ -1,7 +1,8 @@
-//! Samples by their scalar values: edits of a range of values, and how values are spread.
+//! Samples by their scalar values and colors: edits of a range of values and of a color, and how values are spread.
 
 use overlook_engine::capture::Capture;
-use overlook_engine::edits::{Action, EditList, Region};
+use overlook_engine::color::srgb_from_linear;
+use overlook_engine::edits::{Action, EditList, Region, edit_tinted, selected};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::{preprocess, preprocess_edited};
 use overlook_engine::render::output::kept_values;
@@ -46,6 +47,37 @@ fn a_range_of_values_is_deleted_or_kept_alone_and_samples_without_a_value_are_in
     let error =
         preprocess_edited(&capture, &Settings::default(), &wrong, &Job::new()).unwrap_err().to_string();
     assert!(error.contains("no value 'speed'; there are pressure, drift, part"), "{error}");
+}
+
+#[test]
+fn a_color_is_deleted_before_and_after_pruning_and_of_a_selection_that_is_shown_in_another_color() {
+    let capture = orrery(3);
+    let kept = preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples;
+    let image = kept.images.iter().max_by_key(|image| image.len()).unwrap();
+    let linear = image.color[image.len() / 2].map(half::f16::to_f32);
+    let tolerance = 16.3;
+    let is_near = |color: &[half::f16; 3]| {
+        color.iter().zip(linear).all(|(channel, linear)| {
+            let apart = srgb_from_linear(channel.to_f32()) - srgb_from_linear(linear);
+            255.0 * apart.abs() <= tolerance
+        })
+    };
+    let near = |set: &SampleSet| {
+        set.images.iter().flat_map(|image| &image.color).filter(|color| is_near(color)).count() as u64
+    };
+    let (all, expected) = (kept.sample_count(), near(&kept));
+    assert!(expected > 100 && expected < all, "{expected} of {all}");
+    let region = Region::Color { linear: linear.map(f64::from), tolerance: f64::from(tolerance) };
+    let delete = list([(Action::Delete, region.clone())]);
+    let deleted = edited(&kept, &delete);
+    assert_eq!((deleted.sample_count(), near(&deleted)), (all - expected, 0));
+    assert_eq!(edited(&kept, &list([(Action::KeepOnly, region.clone())])).sample_count(), expected);
+    assert_eq!(near(&cleaned(&capture, &delete)), 0);
+
+    let (tinted, count) = selected(&kept, &region, [1.0, 0.0, 1.0], None, "test").unwrap();
+    assert_eq!((count, near(&tinted)), (expected, 0));
+    let left = edit_tinted(&tinted, &kept, &delete, None, "test").unwrap();
+    assert_eq!(left.sample_count(), all - expected, "the colors count that samples had before");
 }
 
 #[test]

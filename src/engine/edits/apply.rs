@@ -134,7 +134,14 @@ impl CameraEdits<'_> {
         of_span.filter(|(_, frames)| !frames.is_empty()).collect()
     }
 
-    fn left_of(&self, image: &SampleImage, votes: &[Votes], marks: &[ImageMarks]) -> Result<Left> {
+    /// What stays of an image, of which `own` has the colors that edits ask for.
+    fn left_of(
+        &self,
+        image: &SampleImage,
+        own: &SampleImage,
+        votes: &[Votes],
+        marks: &[ImageMarks],
+    ) -> Result<Left> {
         let acting = self.acting(image.span);
         if acting.is_empty() {
             return Ok(Left::All);
@@ -144,7 +151,7 @@ impl CameraEdits<'_> {
         let mut runs: Vec<(Span, Vec<bool>)> = Vec::new();
         let mut is_changed = false;
         let asks_for_normals = acting.iter().any(|(edit, _)| edit.test.asks_for_normals());
-        let evidence = Evidence::new(image, votes, marks, asks_for_normals, self.camera)?;
+        let evidence = Evidence::new(own, votes, marks, asks_for_normals, self.camera)?;
         let mut inside = vec![false; acting.len()];
         let mut keep = |sample: &Sample, inside: &[bool]| {
             let stays_at = |segment: &Range<usize>| {
@@ -222,6 +229,18 @@ pub fn cut(
     votes: Option<&SampleVotes>,
     place: &str,
 ) -> Result<EditedImages> {
+    cut_as(images, None, outline, edits, votes, place)
+}
+
+/// The same, of images in other colors than their `own`, which edits ask for.
+fn cut_as(
+    images: &ImageBuffer,
+    own: Option<&ImageBuffer>,
+    outline: &SampleSet,
+    edits: &EditList,
+    votes: Option<&SampleVotes>,
+    place: &str,
+) -> Result<EditedImages> {
     if edits.asks_for_votes() && votes.is_none() {
         return Err(Error::invalid(
             place,
@@ -229,7 +248,13 @@ pub fn cut(
         ));
     }
     let in_order = edits.in_order();
-    let marks = SampleMarks::of(images, outline, in_order.iter().map(|edit| &edit.region), votes, place)?;
+    let marks = SampleMarks::of(
+        own.unwrap_or(images),
+        outline,
+        in_order.iter().map(|edit| &edit.region),
+        votes,
+        place,
+    )?;
     let of_camera = |camera| {
         let context = RegionContext { camera, channels: &outline.values, marked: marks.regions() };
         let ready = in_order.iter().filter_map(|edit| SampleEdit::new(edit, context, &outline.frame_numbers));
@@ -244,7 +269,9 @@ pub fn cut(
             .map(|index| {
                 let image = images.get(index)?;
                 let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
-                let left = cameras[image.camera as usize].left_of(&image, votes, marks.of_image(index))?;
+                let own = own.map_or_else(|| Ok(image.clone()), |own| own.get(index))?;
+                let edits = &cameras[image.camera as usize];
+                let left = edits.left_of(&image, &own, votes, marks.of_image(index))?;
                 Ok((image, left))
             })
             .collect::<Result<_>>()?;
@@ -287,6 +314,22 @@ pub fn edit_samples(
 ) -> Result<(SampleSet, u64)> {
     let EditedImages { images, dropped, .. } = cut(&ImageBuffer::of(&set.images), set, edits, votes, place)?;
     Ok((SampleSet { images: images.into_images()?, ..set.clone() }, dropped))
+}
+
+/// What a list leaves of a set that [`selected`] gave of `own`: edits ask for the colors that samples had before.
+///
+/// # Errors
+/// As [`cut`].
+pub fn edit_tinted(
+    tinted: &SampleSet,
+    own: &SampleSet,
+    edits: &EditList,
+    votes: Option<&SampleVotes>,
+    place: &str,
+) -> Result<SampleSet> {
+    let [shown, own] = [tinted, own].map(|set| ImageBuffer::of(&set.images));
+    let EditedImages { images, .. } = cut_as(&shown, Some(&own), tinted, edits, votes, place)?;
+    Ok(SampleSet { images: images.into_images()?, ..tinted.clone() })
 }
 
 /// How much of its own color a selected sample keeps where selections are shown.

@@ -40,6 +40,7 @@ impl<'a> Evidence<'a> {
         seen.votes = self.votes.get(sample.index).copied().unwrap_or_default();
         seen.is_doubtful = !self.image.doubtful.is_empty() && self.image.is_doubtful(sample.x, sample.y);
         (seen.marks, seen.index) = (self.marks, sample.index);
+        seen.color = self.image.color[sample.index];
         seen.values = self.image.values.of(sample.index);
         if let Some(normals) = &self.image.normal {
             seen.normal_in_world = normals[sample.index].decode().as_dvec3();

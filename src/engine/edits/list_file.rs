@@ -156,8 +156,9 @@ mod tests {
         let mut timed = Edit::new("a thing\nthat passes", Action::Delete, pixels.clone());
         (timed.frames, timed.reach, timed.is_on) = (Some([-3, 7]), Reach::Span, false);
         let hot = Region::Value { name: "T \"hot\"".to_owned(), from: -0.5, to: f64::INFINITY };
+        let green = Region::Color { linear: [0.02, 0.4, 0.1], tolerance: 24.0 };
         let rest = Region::Without(vec![
-            Region::Any(vec![sphere.clone(), hot, Region::Doubtful, Region::ConfirmedByFewerThan(2)]),
+            Region::Any(vec![sphere.clone(), hot, green, Region::Doubtful, Region::ConfirmedByFewerThan(2)]),
             Region::Not(Box::new(Region::All(vec![pixels, Region::Contradicted]))),
         ]);
         let cameras = Region::Cameras(vec!["b".to_owned()]);
@@ -214,6 +215,10 @@ mod tests {
                     "do = \"delete\"\nregion = { same_surface = { seed = [0, 0, 0], frame = 0, angle = 100 } }",
                 ),
                 "same_surface needs",
+            ),
+            (
+                edit("do = \"delete\"\nregion = { color = { linear = [0, 1, 0], tolerance = -1 } }"),
+                "a color needs",
             ),
             (
                 edit("do = \"delete\"\nregion = { value = { name = \"T\", from = 3, to = nan } }"),

@@ -8,7 +8,7 @@
 //! Source: none for the list; regions are combined as sets, as in constructive solid geometry. What differs from editors of splats and
 //! points: a region may ask what other cameras say of a sample, and every edit has frames. Two rules say when an edit acts:
 //!
-//! - A region in space, in a picture or of values deletes *observations*, before pruning, so that no redundant pixel of another camera brings
+//! - A region in space, in a picture, of values or of colors deletes *observations*, before pruning, so that no redundant pixel of another camera brings
 //!   back what was deleted, and what a masked pixel represented is represented by others.
 //! - A region that asks for evidence (votes of cameras, doubt, angle) or depends on other samples (what a picture shows, a surface, what is
 //!   near) and an edit that reaches over the spans of samples act on what pruning *kept*, since only a sample has evidence and a span.
@@ -35,7 +35,7 @@ mod seen;
 mod tile;
 mod votes;
 
-pub use apply::{CutByHand, EditedImages, cut, edit_samples, selected};
+pub use apply::{CutByHand, EditedImages, cut, edit_samples, edit_tinted, selected};
 pub use list::{Action, Edit, EditList, Reach};
 pub use region::{Outline, Region, Stroke, Viewpoint};
 pub use removed_pixels::{count_removed_pixels, edited_capture, with_cameras_left, without_removed_pixels};

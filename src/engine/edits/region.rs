@@ -123,6 +123,13 @@ pub enum Region {
         /// The highest.
         to: f64,
     },
+    /// Samples whose color is near to one: no channel, encoded as sRGB, differs by more than the tolerance. A negative channel counts as 0.
+    Color {
+        /// Linear Rec.709.
+        linear: [f64; 3],
+        /// The largest difference that is near, steps of 1/255 of the encoded channel; from 0.
+        tolerance: f64,
+    },
     /// The surface that a sample lies on, at one frame: all samples of all cameras that are reached from it in short steps along which
     /// the direction of the surface hardly changes. Edges end it.
     SameSurface {

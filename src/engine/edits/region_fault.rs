@@ -82,6 +82,10 @@ impl Region {
             Self::Value { name, from, to } => (from.is_nan() || to.is_nan() || from > to).then(|| {
                 format!("value '{name}' goes from {from} to {to}; give to at least as large as from; inf and -inf leave an end open")
             }),
+            Self::Color { linear, tolerance } => said(
+                is_bad(linear) || is_bad(&[*tolerance]) || *tolerance < 0.0,
+                "a color needs three finite numbers, and a tolerance from 0",
+            ),
             Self::Pixels { outline, strokes, .. } => drawn_fault(outline, strokes),
             Self::View { viewpoint, outline, strokes, depth, .. } => viewpoint_fault(viewpoint)
                 .or_else(|| drawn_fault(outline, strokes))

@@ -1,11 +1,13 @@
 //! Whether a sample of one camera is in a region: the region made ready for many samples of that camera.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
+use half::f16;
 
 use super::drawn_area::DrawnArea;
 use super::region::Region;
 use super::seen::{Seen, Votes};
 use crate::capture::{Camera, Intrinsics, PixelSide, ValueChannel};
+use crate::color::{linear_from_srgb, srgb_from_linear};
 
 /// A region for samples of one camera.
 #[derive(Clone, Debug)]
@@ -48,6 +50,11 @@ pub(super) enum RegionTest {
         channel: usize,
         from: f64,
         to: f64,
+    },
+    /// Between two linear colors, channel by channel.
+    Color {
+        low: [f32; 3],
+        high: [f32; 3],
     },
     Any(Vec<Self>),
     All(Vec<Self>),
@@ -119,6 +126,10 @@ impl RegionTest {
                 let channel = channels.iter().position(|channel| channel.name == *name);
                 let ready = |channel| Self::Value { channel, from: *from, to: *to };
                 channel.map_or(Self::Constant(false), ready)
+            }
+            Region::Color { linear, tolerance } => {
+                let bounds = linear.map(|channel| bounds_of_color(channel as f32, *tolerance as f32));
+                Self::Color { low: bounds.map(|[low, _]| low), high: bounds.map(|[_, high]| high) }
             }
             Region::Pixels { .. }
             | Region::SameSurface { .. }
@@ -202,6 +213,10 @@ impl RegionTest {
             Self::Value { channel, from, to } => {
                 seen.values.get(*channel).is_some_and(|value| (*from..=*to).contains(&f64::from(*value)))
             }
+            Self::Color { low, high } => {
+                let color = seen.color.map(f16::to_f32);
+                (0..3).all(|channel| (low[channel]..=high[channel]).contains(&color[channel]))
+            }
             Self::Any(parts) => parts.iter().any(|part| part.contains(seen)),
             Self::All(parts) => parts.iter().all(|part| part.contains(seen)),
             Self::Not(part) => !part.contains(seen),
@@ -215,6 +230,39 @@ impl RegionTest {
             Self::Any(parts) | Self::All(parts) => parts.iter().any(Self::asks_for_normals),
             Self::Not(part) => part.asks_for_normals(),
             _ => false,
+        }
+    }
+}
+
+/// The lowest and the highest linear value of a channel whose encoded value is within so many steps of 1/255 of that of `linear`. The curve
+/// rises everywhere, so that samples are compared without being encoded.
+fn bounds_of_color(linear: f32, tolerance: f32) -> [f32; 2] {
+    let (encoded, reach) = (srgb_from_linear(linear), tolerance / 255.0);
+    // Below black all is encoded alike.
+    let low = if encoded <= reach { f32::NEG_INFINITY } else { linear_from_srgb(encoded - reach) };
+    // Encoding and back may miss the value itself by what was rounded.
+    [low.min(linear), linear_from_srgb(encoded + reach).max(linear)]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn a_channel_is_near_where_its_encoded_value_is(
+            linear in -0.2..3.0_f32,
+            other in -0.2..3.0_f32,
+            tolerance in 0.0..80.0_f32,
+        ) {
+            let [low, high] = bounds_of_color(linear, tolerance);
+            prop_assert!((low..=high).contains(&linear));
+            let steps = 255.0 * (srgb_from_linear(linear) - srgb_from_linear(other)).abs();
+            if (steps - tolerance).abs() > 1e-2 {
+                prop_assert_eq!((low..=high).contains(&other), steps < tolerance, "{} steps", steps);
+            }
         }
     }
 }

@@ -75,6 +75,7 @@ impl PixelEdits {
                 continue;
             }
             let mut seen: Seen<'_> = rays.seen(pixel % width, pixel / width, inverse_depth);
+            seen.color = of.color.as_slice()[pixel];
             seen.values = of.values.of(pixel);
             let mut stays = true;
             for edit in &acting {

@@ -1,6 +1,7 @@
 //! What a region may ask of a sample, or of a pixel before pruning.
 
 use glam::{DAffine3, DVec2, DVec3};
+use half::f16;
 
 use crate::capture::{Camera, Intrinsics};
 
@@ -41,6 +42,8 @@ pub(super) struct Seen<'a> {
     pub(super) normal_in_world: DVec3,
     /// What other cameras say.
     pub(super) votes: Votes,
+    /// Linear Rec.709.
+    pub(super) color: [f16; 3],
     /// Scalar values, one a channel; none where there are none.
     pub(super) values: &'a [f32],
     /// Of its image, for each region that depends on other samples.
@@ -85,6 +88,7 @@ impl PixelRays {
             is_doubtful: false,
             normal_in_world: DVec3::ZERO,
             votes: Votes::default(),
+            color: [f16::ZERO; 3],
             values: &[],
             marks: &[],
             index: 0,

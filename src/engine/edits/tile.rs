@@ -105,7 +105,8 @@ impl RegionTest {
             | Self::ConfirmedByFewerThan(_)
             | Self::SeenByOneCamera
             | Self::Angle { .. }
-            | Self::Value { .. } => None,
+            | Self::Value { .. }
+            | Self::Color { .. } => None,
             Self::Any(parts) => combined(parts, tile, marks, true),
             Self::All(parts) => combined(parts, tile, marks, false),
             Self::Not(part) => part.of_tile(tile, marks).map(|inside| !inside),
@@ -183,12 +184,14 @@ mod tests {
             (x, y) if x > 28 => 1.0 / (2.0 + 0.02 * x as f32 + 0.01 * y as f32),
             (x, y) => 1.0 / (5.0 - 0.03 * (x + y) as f32),
         };
+        let color_at =
+            |sample: Sample| [sample.x as f32 / 64.0, sample.y as f32 / 48.0, 0.25].map(f16::from_f32);
         let depths: Vec<f32> = tiles.iter().flat_map(SampleTile::samples).map(depth_at).collect();
         SampleImage {
             camera: 0,
             span: Span { start: 0, end: 1 },
             depth: DepthPlane::pack(&tiles, &depths),
-            color: vec![[f16::ZERO; 3]; depths.len()],
+            color: tiles.iter().flat_map(SampleTile::samples).map(color_at).collect(),
             normal: None,
             doubtful: Vec::new(),
             values: Values::missing(0, depths.len()),
@@ -210,6 +213,8 @@ mod tests {
             (place(), size()).prop_map(|(center, radius)| Region::Sphere { center, radius }),
             (place(), prop::array::uniform3(-1.0..1.0_f64)).prop_map(half_space),
             (0.5..4.0_f64, size()).prop_map(|(from, span)| Region::Depth { from, to: from + span }),
+            (prop::array::uniform3(0.0..1.0_f64), 0.0..200.0_f64)
+                .prop_map(|(linear, tolerance)| Region::Color { linear, tolerance }),
             drawn.clone().prop_map(|(outline, strokes)| Region::Pixels {
                 camera: "own".into(),
                 frame: None,

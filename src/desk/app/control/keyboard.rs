@@ -201,6 +201,7 @@ fn edit_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
         (Modifiers::NONE, Key::L, tool(EditTool::Lasso)),
         (Modifiers::NONE, Key::R, tool(EditTool::Rectangle)),
         (Modifiers::NONE, Key::T, tool(EditTool::Surface)),
+        (Modifiers::NONE, Key::C, tool(EditTool::Color)),
         (Modifiers::NONE, Key::Delete, EditCommand::Act(Action::Delete)),
     ];
     if edits.tool.is_some_and(EditTool::has_radius) {

@@ -132,6 +132,26 @@ fn a_store_is_cleaned_and_shows_the_same_once_it_is_opened_again() {
     assert!(app.state.doc.edits.trouble.as_ref().is_some_and(|trouble| trouble.contains("store")));
 }
 
+#[test]
+fn an_edit_of_a_color_asks_for_the_colors_of_samples_and_not_for_that_of_the_selection() {
+    let mut app = ready(2, 1);
+    let samples = app.state.samples_to_edit().unwrap().clone();
+    let image = samples.images.iter().max_by_key(|image| image.len()).unwrap();
+    let linear = image.color[image.len() / 2].map(f64::from);
+    let color = Region::Color { linear, tolerance: 20.0 };
+    edit(&mut app, EditCommand::Select(color.clone()));
+    let selected = app.state.edited().unwrap().selected;
+    assert!(selected > 0 && selected < samples.sample_count(), "{selected}");
+    edit(&mut app, EditCommand::Act(Action::Delete));
+    // All that is left is selected, and so has the color of selections.
+    edit(&mut app, EditCommand::Select(Region::All(Vec::new())));
+    let edited = app.state.edited().unwrap();
+    assert_eq!((edited.deleted, edited.selected), (selected, samples.sample_count() - selected));
+    assert_eq!(edited.shown.sample_count(), edited.samples.sample_count());
+    edit(&mut app, EditCommand::Select(color));
+    assert_eq!(app.state.edited().unwrap().selected, 0, "none of it is left");
+}
+
 /// A surface point that the first camera saw.
 fn surface_point(app: &OverlookApp) -> [f64; 3] {
     let samples = app.state.samples_to_edit().unwrap();

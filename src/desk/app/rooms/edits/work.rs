@@ -10,7 +10,7 @@ use crate::app::theme::Tokens;
 use crate::app::work::slot::Wanted;
 use overlook_engine::color::linear_from_srgb;
 use overlook_engine::edits::{
-    Action, CutByHand, Edit, EditList, Region, SampleVotes, edit_samples, selected,
+    Action, CutByHand, Edit, EditList, Region, SampleVotes, edit_samples, edit_tinted, selected,
 };
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
@@ -75,7 +75,7 @@ impl SampleEditor {
             if list.is_idle() {
                 (edited.shown, edited.selected) = (Arc::new(tinted), count);
             } else {
-                edited.shown = Arc::new(edit_samples(&tinted, &list, votes, place)?.0);
+                edited.shown = Arc::new(edit_tinted(&tinted, &base, &list, votes, place)?);
                 let mut without = list;
                 without.edits.push(Edit::new("", Action::Delete, region.clone()));
                 let (rest, _) = edit_samples(&base, &without, votes, place)?;

@@ -82,7 +82,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
     (
         "Edits",
         &[
-            ("R, L, B, T", "select: rectangle, lasso, brush, surface"),
+            ("R, L, B, T, C", "select: rectangle, lasso, brush, surface, color"),
             ("[ and ], Shift + B", "size of the brush, mask"),
             ("G, Shift + G, Ctrl + I", "grow, shrink, invert"),
             ("Delete", "delete what is selected"),

@@ -3,11 +3,15 @@
 use egui::{Align2, Color32, FontId, Painter, Rect, Sense, Ui, pos2, vec2};
 
 use crate::app::model;
+use crate::app::model::{Command, Commands};
 use crate::app::rooms::colors::model::ValueLook;
+use crate::app::rooms::edits::model::EditCommand;
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::settings::model::{BARS, ThresholdAxis};
 use crate::app::rooms::settings::ui::histogram::line;
 use crate::app::theme::{Tokens, space};
 use overlook_engine::capture::ValueChannel;
+use overlook_engine::edits::Region;
 use overlook_engine::render::output::ranked_value;
 use overlook_engine::settings::ValueScale;
 
@@ -26,6 +30,7 @@ pub(super) fn value_histogram_ui(
     values: Option<&[f32]>,
     channel: &ValueChannel,
     look: &mut ValueLook,
+    commands: &mut Commands,
 ) {
     let tokens = Tokens::in_ui(ui);
     let values = values.unwrap_or_default();
@@ -84,6 +89,14 @@ pub(super) fn value_histogram_ui(
                 let [low, high] = shares.map(|share| ranked_value(values, share).unwrap_or_default());
                 look.range = Some([low, high]);
             }
+        }
+        let button =
+            ui.button("Select these").accessible_name(format!("Select this range of {}", channel.name));
+        if button.on_hover_text("Selects the samples between the lines, to be edited.").clicked() {
+            let [from, to] = range.map(f64::from);
+            let region = Region::Value { name: channel.name.clone(), from, to };
+            commands.push(Command::Edit(EditCommand::Select(region)));
+            commands.push(Command::Window(WindowCommand::OpenView(DockView::Edits)));
         }
     });
 }

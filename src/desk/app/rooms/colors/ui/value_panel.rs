@@ -49,7 +49,7 @@ pub(crate) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
     let counted = state.doc.values.as_ref().filter(|values| values.channel == index);
     let counted = counted.map(|values| &values.ascending[..]);
     if counted.is_some() || state.live.color_by == ColorBy::Value {
-        value_histogram_ui(ui, counted, channel, look);
+        value_histogram_ui(ui, counted, channel, look, commands);
     }
     let mut range = look.range.unwrap_or(channel.range);
     ui.horizontal(|ui| {

@@ -80,13 +80,15 @@ pub(crate) enum EditTool {
     Brush,
     /// Selects the surface that is clicked on.
     Surface,
+    /// Selects all that has about the color that is clicked on.
+    Color,
     /// A brush in source pictures that leaves their pixels out of pruning.
     Mask,
 }
 
 impl EditTool {
     /// Every tool in the order of the panel: its name, its key, and what it does.
-    pub(crate) const ALL: [(Self, &'static str, &'static str, &'static str); 5] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str, &'static str); 6] = [
         (
             Self::Rectangle,
             "Rectangle",
@@ -110,6 +112,12 @@ impl EditTool {
             "Same surface",
             "T",
             "Click on a surface: all of it, in the samples of all cameras, as far as its edges. With Shift it is added, with Alt taken away.",
+        ),
+        (
+            Self::Color,
+            "Same color",
+            "C",
+            "Click on a color: all samples that have about this color, wherever they are. With Shift it is added, with Alt taken away.",
         ),
         (
             Self::Mask,

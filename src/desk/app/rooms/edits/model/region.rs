@@ -45,6 +45,7 @@ pub(crate) fn words(region: &Region) -> String {
         Region::SeenByOneCamera => "seen by one camera".to_owned(),
         Region::Footprint { .. } => "range of sampling rate".to_owned(),
         Region::Angle { .. } => "range of angle".to_owned(),
+        Region::Color { .. } => "color".to_owned(),
         Region::Value { name, .. } => format!("range of {name}"),
         Region::Any(parts) => join(parts, " + "),
         Region::All(parts) => join(parts, " and "),
@@ -57,10 +58,16 @@ fn join(parts: &[Region], sign: &str) -> String {
     parts.iter().map(words).collect::<Vec<_>>().join(sign)
 }
 
-/// The box, sphere or surface of a selection that was chosen last, to be reshaped.
+/// The part of a selection that was chosen last, where it has numbers to be turned: a box, sphere, surface, color or range.
 pub(crate) fn last_shape(region: &mut Region) -> Option<&mut Region> {
     match region {
-        Region::Box { .. } | Region::Sphere { .. } | Region::SameSurface { .. } => Some(region),
+        Region::Box { .. }
+        | Region::Sphere { .. }
+        | Region::SameSurface { .. }
+        | Region::Color { .. }
+        | Region::Depth { .. }
+        | Region::Angle { .. }
+        | Region::Value { .. } => Some(region),
         Region::Any(parts) | Region::All(parts) | Region::Without(parts) => {
             parts.last_mut().and_then(last_shape)
         }

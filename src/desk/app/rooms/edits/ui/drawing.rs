@@ -4,6 +4,7 @@ use egui::{
     Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, pos2,
 };
 use glam::DVec3;
+use half::f16;
 
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::edits::model::{Combine, EditCommand, EditTool};
@@ -15,6 +16,9 @@ const CORNER: f32 = 3.0;
 
 /// Points of a stroke are at least this share of its radius apart.
 const STROKE_STEP: f32 = 0.2;
+
+/// How far from a color that is clicked on others are selected, steps of 1/255.
+const NEW_TOLERANCE: f64 = 24.0;
 
 /// Where a picture lies on the screen.
 pub(crate) struct PicturePlace {
@@ -73,25 +77,34 @@ pub(crate) fn select_drawn(
     }
 }
 
-/// Selects the surface that is clicked on.
-pub(crate) fn select_surface(
+/// Selects the surface or the color that is clicked on.
+pub(crate) fn select_clicked(
     ui: &Ui,
     response: &Response,
     state: &State,
     commands: &mut Commands,
-    point_at: impl FnOnce(Pos2) -> Option<DVec3>,
+    region_at: impl FnOnce(Pos2) -> Option<Region>,
 ) {
     if response.hovered() {
         ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
     }
     let clicked = response.interact_pointer_pos().filter(|_| response.clicked());
-    let Some((point, frame)) = clicked.and_then(point_at).zip(state.frame_number()) else { return };
-    let region = Region::same_surface(point.to_array(), frame);
+    let Some(region) = clicked.and_then(region_at) else { return };
     commands.push(Command::Edit(EditCommand::Draw {
         region,
         combine: combine_now(ui, state),
         is_done: true,
     }));
+}
+
+/// What a click with the tool of surfaces selects at a surface point, world space.
+pub(crate) fn surface_region(state: &State, point: DVec3) -> Option<Region> {
+    Some(Region::same_surface(point.to_array(), state.frame_number()?))
+}
+
+/// What a click with the tool of colors selects at a linear color.
+pub(crate) fn color_region(color: [f16; 3]) -> Region {
+    Region::Color { linear: color.map(f64::from), tolerance: NEW_TOLERANCE }
 }
 
 /// Draws a shape while the pointer is dragged; gives what a brush has painted so far as it goes, and every shape once it is done.

@@ -1,6 +1,7 @@
 //! What is drawn.
 
 pub(crate) mod drawing;
+mod numbers;
 pub(crate) mod panel;
 pub(crate) mod shapes;
 pub(crate) mod tools;

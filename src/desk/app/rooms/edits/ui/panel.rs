@@ -1,10 +1,11 @@
 //! Selecting samples, deleting them, and the list of edits.
 
-use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Checkbox, DragValue, Label, RichText, ScrollArea, TextEdit, Ui};
 use egui_material_icons::icons::{
     ICON_ARROW_DOWNWARD, ICON_ARROW_UPWARD, ICON_CONTENT_COPY, ICON_DELETE, ICON_REDO, ICON_UNDO,
 };
 
+use super::numbers::{GROW_BY, numbers_ui};
 use super::tools::{cameras_ui, mask_ui, range_ui, select_ui};
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
@@ -13,10 +14,7 @@ use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::live::ui::view_panel::heading_ui;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, segments_ui, weak};
-use overlook_engine::edits::{Action, Region};
-
-/// Footprints by which a selection grows, and that a step over a surface takes at most.
-const GROW_BY: std::ops::RangeInclusive<f64> = 0.5..=Region::MOST_FOOTPRINTS;
+use overlook_engine::edits::Action;
 
 const ASKS_WHOLE: &str = "Edits act on all frames: they are shown once the whole capture is pruned.";
 
@@ -63,7 +61,7 @@ fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
     note(ui, facts);
     let mut reshaped = selection.clone();
     if let Some(shape) = last_shape(&mut reshaped)
-        && shape_ui(ui, shape, state)
+        && numbers_ui(ui, shape, state)
     {
         sent.push(EditCommand::Reshape(reshaped));
     }
@@ -116,44 +114,6 @@ fn grow_ui(ui: &mut Ui, by: f64, sent: &mut Vec<EditCommand>) {
             sent.push(EditCommand::GrowBy(by));
         }
     });
-}
-
-/// The numbers of a shape; whether one was changed.
-fn shape_ui(ui: &mut Ui, shape: &mut Region, state: &State) -> bool {
-    let speed = state.live.orbit.as_ref().map_or(0.01, |orbit| orbit.pivot_distance * 0.003);
-    let least = speed * 1e-3;
-    let mut changed = false;
-    Grid::new("shape").num_columns(4).spacing([space::SMALL, 4.0]).show(ui, |ui| {
-        ui.spacing_mut().button_padding.x = space::SMALL;
-        let mut row = |ui: &mut Ui, name: &str, values: &mut [f64], speed: f64, least: f64, suffix: &str| {
-            ui.label(name);
-            for (value, axis) in values.iter_mut().zip(["X", "Y", "Z"]) {
-                let drag =
-                    DragValue::new(value).speed(speed).max_decimals(3).suffix(suffix).range(least..=f64::MAX);
-                changed |= ui.add(drag).accessible_name(format!("{name} {axis}")).changed();
-            }
-            ui.end_row();
-        };
-        match shape {
-            Region::Box { center, half_size, rotation_degrees } => {
-                row(ui, "Center", center, speed, f64::MIN, "");
-                row(ui, "Half size", half_size, speed, least, "");
-                row(ui, "Turned", rotation_degrees, 0.5, f64::MIN, "°");
-            }
-            Region::Sphere { center, radius } => {
-                row(ui, "Center", center, speed, f64::MIN, "");
-                row(ui, "Radius", std::slice::from_mut(radius), speed, least, "");
-            }
-            Region::SameSurface { footprints, angle, .. } => {
-                row(ui, "Step", std::slice::from_mut(footprints), 0.1, 0.5, " footprints");
-                row(ui, "Turn", std::slice::from_mut(angle), 0.5, 0.0, "°");
-                *footprints = footprints.min(*GROW_BY.end());
-                *angle = angle.min(90.0);
-            }
-            _ => {}
-        }
-    });
-    changed
 }
 
 fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &mut Commands) {

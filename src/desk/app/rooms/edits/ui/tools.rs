@@ -12,6 +12,9 @@ use overlook_engine::edits::Region;
 /// A new box or sphere reaches this far, in distances from the view to what it turns about.
 const NEW_SIZE: f64 = 0.15;
 
+/// A new range of angles.
+const SLANTED: Region = Region::Angle { from: 60.0, to: 90.0 };
+
 /// Where a new shape is put, and how large: at the pinned pixel, else at what the view turns about.
 fn new_place(state: &State) -> ([f64; 3], f64) {
     let pinned = state.doc.probe.pinned.then_some(state.doc.probe.shown.as_ref()).flatten();
@@ -49,6 +52,7 @@ pub(crate) fn select_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>)
     });
     brush_ui(ui, state, sent);
     evidence_ui(ui, state, sent);
+    ranges_ui(ui, state, sent);
     if let Some(combine) = segments_ui(ui, "Selection", edits.combine, Combine::ALL) {
         sent.push(EditCommand::Combine(combine));
     }
@@ -110,6 +114,42 @@ fn evidence_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
             |camera| EditCommand::Select(Region::Cameras(vec![camera.to_owned()])),
             sent,
         );
+    });
+}
+
+/// Selects by ranges, whose ends are then numbers of the selection.
+fn ranges_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
+    let distance = state.live.orbit.as_ref().map_or(1.0, |orbit| orbit.pivot_distance);
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, region) in [
+            (
+                "Near and far",
+                "Samples by their depth in their own camera; at first those nearer than what the view turns about.",
+                Region::Depth { from: 0.0, to: distance },
+            ),
+            (
+                "Angle",
+                "Samples by the angle between their surface's normal and the direction to their camera, where normals are stored; at first \
+                 those seen at a slant.",
+                SLANTED,
+            ),
+        ] {
+            if ui.button(name).on_hover_text(help).accessible_name(format!("Select {name}")).clicked() {
+                sent.push(EditCommand::Select(region));
+            }
+        }
+        let channels = state.value_channels();
+        if !channels.is_empty() {
+            ui.menu_button("Value", |ui| {
+                for channel in channels {
+                    if ui.button(&channel.name).clicked() {
+                        let [from, to] = channel.range.map(f64::from);
+                        let name = channel.name.clone();
+                        sent.push(EditCommand::Select(Region::Value { name, from, to }));
+                    }
+                }
+            });
+        }
     });
 }
 

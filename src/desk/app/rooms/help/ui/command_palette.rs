@@ -185,7 +185,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 49] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
     [
         ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
         ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
@@ -201,6 +201,7 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 49] {
         ("Edit: select by lasso", "L", Command::Edit(EditCommand::Tool(Some(EditTool::Lasso)))),
         ("Edit: select by brush", "B", Command::Edit(EditCommand::Tool(Some(EditTool::Brush)))),
         ("Edit: select the same surface", "T", Command::Edit(EditCommand::Tool(Some(EditTool::Surface)))),
+        ("Edit: select the same color", "C", Command::Edit(EditCommand::Tool(Some(EditTool::Color)))),
         ("Edit: mask pixels of a camera", "Shift+B", Command::Edit(EditCommand::Tool(Some(EditTool::Mask)))),
         ("Edit: grow the selection", "G", Command::Edit(EditCommand::Grow(true))),
         ("Edit: shrink the selection", "Shift+G", Command::Edit(EditCommand::Grow(false))),

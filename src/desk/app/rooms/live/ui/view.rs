@@ -4,7 +4,7 @@ use egui::{Align, Layout, Painter, PointerButton, Rect, Response, RichText, Sens
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
-use super::live_pixels::{inverse_depth_at, pixel_at};
+use super::live_pixels::{color_under, inverse_depth_at, pixel_at};
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::cameras::ui::overlay::{camera_at, seen_cameras};
 use crate::app::rooms::cameras::ui::{overlay as cameras_overlay, overlays};
@@ -138,8 +138,13 @@ fn draw_ui(
     match state.doc.edits.tool {
         None | Some(EditTool::Mask) => return false,
         Some(EditTool::Surface) => {
-            drawing::select_surface(ui, response, state, commands, |at| point_under(state, canvas, at));
+            drawing::select_clicked(ui, response, state, commands, |at| {
+                drawing::surface_region(state, point_under(state, canvas, at)?)
+            });
         }
+        Some(EditTool::Color) => drawing::select_clicked(ui, response, state, commands, |at| {
+            color_under(state, canvas, at).map(drawing::color_region)
+        }),
         Some(_) => {
             let place = PicturePlace { corner: canvas.min, scale: 1.0, shown: canvas };
             drawing::select_drawn(ui, response, painter, &place, state, commands, |drawn| {

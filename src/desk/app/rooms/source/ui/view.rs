@@ -177,14 +177,19 @@ fn draw_ui(
     drawing::drawn_areas(painter, place, &camera.name, state);
     match state.doc.edits.tool {
         None => return false,
-        Some(EditTool::Surface) => {
-            drawing::select_surface(ui, response, state, commands, |at| {
+        Some(tool @ (EditTool::Surface | EditTool::Color)) => {
+            drawing::select_clicked(ui, response, state, commands, |at| {
                 let within = (at - place.corner) / place.scale;
-                let inspected = state.inspection_here()?.cameras.get(state.source.camera)?;
+                let frame = &state.inspection_here()?.cameras.get(state.source.camera)?.frame;
                 let (x, y) = (within.x.max(0.0) as usize, within.y.max(0.0) as usize);
-                let inverse_depth = f64::from(*inspected.frame.inverse_depth.get(x, y)?);
+                if tool == EditTool::Color {
+                    return frame.color.get(x, y).copied().map(drawing::color_region);
+                }
+                let inverse_depth = f64::from(*frame.inverse_depth.get(x, y)?);
                 let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                (inverse_depth > 0.0).then(|| camera.unproject(center, 1.0 / inverse_depth))
+                let is_surface = inverse_depth > 0.0;
+                let point = is_surface.then(|| camera.unproject(center, 1.0 / inverse_depth))?;
+                drawing::surface_region(state, point)
             });
         }
         Some(EditTool::Mask) => {
