@@ -116,7 +116,7 @@ fn the_palette_names_what_it_does_as_other_programs_do() {
         ("recompute", "Recompute the whole capture"),
         ("copy expl", "Copy explanation"),
         ("reset view", "Reset view to start"),
-        ("center", "Center view on selected pixel"),
+        ("center", "Center view on the selection, or the selected pixel"),
         ("frame times", "Frame times: write to the log and reset"),
         ("video", "Share: Video"),
         ("shortcuts", "Keyboard and mouse shortcuts"),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::app::model::Command;
 use crate::app::rooms::edits::model::{Combine, EditCommand};
 use crate::app::rooms::files::model::Purpose;
+use crate::app::rooms::live::model::ViewCommand;
 use crate::app::tests::{OverlookApp, ready, settle, wait};
 use crate::pruned_store;
 use overlook_engine::capture;
@@ -150,6 +151,26 @@ fn an_edit_of_a_color_asks_for_the_colors_of_samples_and_not_for_that_of_the_sel
     assert_eq!(edited.shown.sample_count(), edited.samples.sample_count());
     edit(&mut app, EditCommand::Select(color));
     assert_eq!(app.state.edited().unwrap().selected, 0, "none of it is left");
+}
+
+#[test]
+fn the_selection_is_framed_and_an_empty_one_says_so() {
+    let mut app = ready(2, 1);
+    let home = app.state.live.orbit.clone();
+    let nowhere = Region::Sphere { center: [1e6; 3], radius: 1.0 };
+    edit(&mut app, EditCommand::Select(nowhere));
+    app.apply(Command::View(ViewCommand::FramePoint));
+    assert_eq!(app.state.live.orbit, home);
+    assert!(app.notices()[0].starts_with("Nothing to frame"), "{:?}", app.notices());
+    let (point, radius) = (surface_point(&app), 0.2 * home.as_ref().unwrap().pivot_distance);
+    edit(&mut app, EditCommand::Select(Region::Sphere { center: point, radius }));
+    let place = app.state.edited_now().unwrap().place.unwrap();
+    assert!((place.mean - glam::DVec3::from(point)).length() <= radius && place.spread <= radius);
+    app.apply(Command::View(ViewCommand::FramePoint));
+    let orbit = app.state.live.orbit.clone().unwrap();
+    let (middle, depth) = orbit.camera(64, 48).project(place.mean).unwrap();
+    assert!((middle - glam::DVec2::new(32.0, 24.0)).length() < 1e-6, "{middle}");
+    assert!(depth > place.spread && Some(orbit) != home);
 }
 
 /// A surface point that the first camera saw.

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use super::model::{EditKey, EditedScene};
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::model::{EditKey, EditedScene, SelectionPlace};
 use crate::app::model::scene::Content;
 use crate::app::model::{Message, State};
 use crate::app::rooms::frame::model::DockView;
@@ -14,7 +17,7 @@ use overlook_engine::edits::{
 };
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use overlook_engine::samples::{ImageBuffer, SampleSet};
+use overlook_engine::samples::{ImageBuffer, SampleImage, SampleSet};
 
 impl Wanted for EditKey {
     /// Edits applied to the samples, with what is selected of them.
@@ -63,6 +66,7 @@ impl SampleEditor {
             before: base.sample_count(),
             deleted: base.sample_count().saturating_sub(samples.sample_count()),
             selected: 0,
+            place: None,
             bytes: samples.bytes(),
             shown: samples.clone(),
             samples,
@@ -81,6 +85,7 @@ impl SampleEditor {
                 let (rest, _) = edit_samples(&base, &without, votes, place)?;
                 edited.selected = edited.samples.sample_count().saturating_sub(rest.sample_count());
             }
+            edited.place = place_of_selection(&edited.shown, &edited.samples);
         }
         Ok(edited)
     }
@@ -127,4 +132,36 @@ impl SampleEditor {
         self.cut = Some((base.clone(), list.clone(), cut.clone()));
         Ok(cut)
     }
+}
+
+/// Count, mean and summed squared distance from the mean of some points.
+type Spread = (f64, DVec3, f64);
+
+/// The same of all points together (T. F. Chan et al., 1979), which loses nothing far from the origin.
+fn joined((count, mean, squares): Spread, (more, of_more, of_their_squares): Spread) -> Spread {
+    let (all, apart) = (count + more, of_more - mean);
+    if all == 0.0 {
+        return (0.0, DVec3::ZERO, 0.0);
+    }
+    let between = apart.length_squared() * count * more / all;
+    (all, mean + apart * (more / all), squares + of_their_squares + between)
+}
+
+/// Where the samples lie that are `shown` in another color than their own.
+fn place_of_selection(shown: &SampleSet, samples: &SampleSet) -> Option<SelectionPlace> {
+    let of_image = |(shown, own): (&Arc<SampleImage>, &Arc<SampleImage>)| {
+        let none = (0.0, DVec3::ZERO, 0.0);
+        // Images without any are shared.
+        if Arc::ptr_eq(shown, own) {
+            return none;
+        }
+        let selected = own.placed(&samples.cameras[own.camera as usize]).filter(|placed| {
+            let index = placed.sample.index;
+            shown.color[index] != own.color[index]
+        });
+        selected.fold(none, |known, placed| joined(known, (1.0, placed.point_in_world, 0.0)))
+    };
+    let of_images: Vec<Spread> = shown.images.par_iter().zip(&samples.images).map(of_image).collect();
+    let (count, mean, squares) = of_images.into_iter().fold((0.0, DVec3::ZERO, 0.0), joined);
+    (count > 0.0).then(|| SelectionPlace { mean, spread: (squares / count).sqrt() })
 }

@@ -59,7 +59,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
         &[
             ("Click", "pin the pixel under the pointer"),
             ("P", "pin or unpin the pixel"),
-            ("F", "center view on the selected pixel"),
+            ("F", "center view on what is selected for edits, or on the pixel"),
             ("Ctrl + Shift + C, F", "copy the explanation, or a figure"),
             ("Right click", "copy a picture, copy or save a figure of it"),
         ],

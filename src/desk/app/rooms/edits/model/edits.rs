@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::command::{Combine, DrawnDepth, EditTime, EditTool};
 use super::region::{join_stroke, words};
 use crate::app::model::scene::OpenScene;
@@ -45,8 +47,19 @@ pub(crate) struct EditedScene {
     pub deleted: u64,
     /// Those of what edits leave that are selected.
     pub selected: u64,
+    /// Where these lie; `None` where none is selected or all are infinitely far away.
+    pub place: Option<SelectionPlace>,
     /// Bytes in memory of what edits leave.
     pub bytes: u64,
+}
+
+/// Where selected samples lie, over all frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SelectionPlace {
+    /// World space.
+    pub mean: DVec3,
+    /// Root mean square distance from the mean, world units.
+    pub spread: f64,
 }
 
 /// The edits of the open scene.

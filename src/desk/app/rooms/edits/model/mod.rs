@@ -6,5 +6,5 @@ pub(crate) mod region;
 pub(crate) mod samples;
 
 pub(crate) use command::{Combine, DrawnDepth, EditCommand, EditTime, EditTool};
-pub(crate) use edits::{BRUSH_RADII, EditKey, EditedScene};
+pub(crate) use edits::{BRUSH_RADII, EditKey, EditedScene, SelectionPlace};
 pub(crate) use region::{last_shape, words};

@@ -222,7 +222,7 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
         ("Reset view to start", "Home", Command::View(ViewCommand::Home)),
         ("Back to the view before", "Alt+Left", Command::View(ViewCommand::Back)),
         ("Forward to the next view", "Alt+Right", Command::View(ViewCommand::Forward)),
-        ("Center view on selected pixel", "F", Command::View(ViewCommand::FramePoint)),
+        ("Center view on the selection, or the selected pixel", "F", Command::View(ViewCommand::FramePoint)),
         ("Add key to the camera path", "K", Command::Path(PathCommand::AddKey)),
         ("Recompute the whole capture", "", Command::Recompute),
         ("Run a sweep", "", Command::Chart(ChartCommand::Ask(Some(Study::Sweep)))),

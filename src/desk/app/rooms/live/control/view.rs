@@ -14,6 +14,9 @@ use overlook_engine::settings::{Fill, RenderSettings};
 /// Bytes of a copied view that are read at most: thousands of times what one takes.
 const MOST_PASTED: usize = 1 << 20;
 
+/// What is framed of a selection, root mean square distances from its mean: all of a ball, a disk or a square.
+const SPREADS: f64 = 1.8;
+
 impl OverlookApp {
     /// Carries out what concerns the live view's camera and what surrounds its picture.
     pub(crate) fn apply_to_view(&mut self, command: ViewCommand) {
@@ -175,8 +178,19 @@ impl OverlookApp {
         self.state.warn_of_scene("No picture yet", text);
     }
 
-    /// Centers the live view on the selected point.
+    /// Frames what is selected to be edited, else centers the live view on the selected point.
     fn frame_point(&mut self) {
+        if self.state.doc.edits.selection.is_some() {
+            let place = self.state.edited_now().and_then(|edited| edited.place);
+            match (place, &mut self.state.live.orbit) {
+                (Some(place), Some(orbit)) => orbit.frame(place.mean, SPREADS * place.spread),
+                _ => self.state.warn_of_scene(
+                    "Nothing to frame",
+                    "The selection has no place: it is empty or infinitely far away, or it is still being worked out.",
+                ),
+            }
+            return;
+        }
         let probed = self.state.doc.probe.shown.clone();
         let point = probed.as_ref().and_then(|probed| probed.point_in_world);
         if let (Some(point), Some(orbit)) = (point, &mut self.state.live.orbit) {

@@ -174,6 +174,18 @@ impl OrbitCamera {
         self.world_from_camera.translation = point_in_world - forward * distance;
     }
 
+    /// The same, so far away that all within `radius` of the point is in view; where lines of sight are parallel, or the radius is 0, it
+    /// stays as near as it was.
+    pub(crate) fn frame(&mut self, point_in_world: DVec3, radius: f64) {
+        self.look_at(point_in_world);
+        if self.lens.is_orthographic() || radius <= 0.0 {
+            return;
+        }
+        let halves = [f64::from(self.lens.width) / self.lens.fx, f64::from(self.lens.height) / self.lens.fy];
+        let half_angle = (halves[0].min(halves[1]) / 2.0).atan();
+        self.dolly(radius / half_angle.sin() / self.pivot_distance);
+    }
+
     /// Five units from the origin, for tests.
     #[cfg(test)]
     pub(crate) fn for_tests() -> Self {
@@ -272,10 +284,18 @@ mod tests {
         orbit.dolly_to(0.5, point);
         let after = orbit.camera(64, 48).project(point).unwrap();
         assert!((before.0 - after.0).length() < 1e-9 && (after.1 - before.1 / 2.0).abs() < 1e-9);
-        orbit.look_at(point);
+        orbit.frame(point, 0.0);
         let (middle, depth) = orbit.camera(64, 48).project(point).unwrap();
         assert!((middle - DVec2::new(32.0, 24.0)).length() < 1e-9);
         assert!((orbit.pivot_distance - depth).abs() < 1e-9);
+        orbit.frame(point, 0.2);
+        let camera = orbit.camera(64, 48);
+        let tangent = (0.2_f64 / orbit.pivot_distance).asin();
+        let [right, down, forward] = [0, 1, 2].map(|axis| camera.world_from_camera.matrix3.col(axis) * 0.2);
+        // Where the line of sight touches the ball at its lower side.
+        let touched = point + down * tangent.cos() - forward * tangent.sin();
+        assert!((camera.project(touched).unwrap().0.y - 48.0).abs() < 1e-6);
+        assert!(camera.project(point + right).unwrap().0.x < 64.0);
     }
 
     #[test]
