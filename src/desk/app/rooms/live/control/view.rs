@@ -153,11 +153,11 @@ impl OverlookApp {
         }
     }
 
-    /// Shows holes filled or hatched; to be shown filled, they must be filled by the settings too.
+    /// Shows holes filled, hatched or dimmed; to be shown filled, they must be filled by the settings too.
     fn show_holes(&mut self, holes: HoleDisplay) {
         self.state.live.holes = holes;
         let mut settings = self.state.settings.clone();
-        if holes == HoleDisplay::Filled && settings.render.fill == Fill::None {
+        if holes != HoleDisplay::Hatched && settings.render.fill == Fill::None {
             settings.render.fill = RenderSettings::default().fill;
             self.change_settings(settings);
         }

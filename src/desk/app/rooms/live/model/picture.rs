@@ -55,23 +55,30 @@ impl ColorBy {
 pub(crate) enum HoleDisplay {
     Filled,
     Hatched,
+    /// Filled, but dimmed where that is far from any sample.
+    Dimmed,
 }
 
 impl HoleDisplay {
     /// Every choice in the order of the toolbar: its name, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 2] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
         (
             Self::Filled,
             "Fill",
             "Pixels that no sample reached get invented colors, continued from the background (H).",
         ),
         (Self::Hatched, "Show", "Pixels that no sample reached are hatched, over what fills them (H)."),
+        (
+            Self::Dimmed,
+            "Dim",
+            "As Fill, but what lies far from any sample is blurred, gray and dark, so that it reads as unknown.",
+        ),
     ];
 
-    /// The other choice.
+    /// What the key makes of it: hatched, or no longer.
     pub(crate) fn other(self) -> Self {
         match self {
-            Self::Filled => Self::Hatched,
+            Self::Filled | Self::Dimmed => Self::Hatched,
             Self::Hatched => Self::Filled,
         }
     }

@@ -7,6 +7,7 @@ use egui::{Color32, ColorImage};
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::dimmed_fills::dim_fills;
 use super::shown_samples::CameraFilter;
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix};
@@ -133,9 +134,9 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
             return match (key.holes, key.color_by) {
                 _ if !is_filled => pattern,
                 (HoleDisplay::Hatched, _) => mix(own, pattern, HATCHING[nth]),
-                (HoleDisplay::Filled, ColorBy::Picture) => own,
+                (HoleDisplay::Filled | HoleDisplay::Dimmed, ColorBy::Picture) => own,
                 // These colors describe samples, and this pixel has none.
-                (HoleDisplay::Filled, _) => dimmed(own, DIMMED),
+                (HoleDisplay::Filled | HoleDisplay::Dimmed, _) => dimmed(own, DIMMED),
             };
         }
         let source = &key.samples.images[image as usize];
@@ -165,7 +166,11 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let mut colors = vec![Color32::default(); width * height];
     let rows = colors.par_chunks_mut(width.max(1)).enumerate();
     rows.for_each(|(y, row)| row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = color(x, y)));
-    Grid::from_vec(width, height, colors)
+    let mut colors = Grid::from_vec(width, height, colors);
+    if (key.holes, key.color_by) == (HoleDisplay::Dimmed, ColorBy::Picture) {
+        dim_fills(picture, &mut colors);
+    }
+    colors
 }
 
 /// One value of each pixel, and its colors.

@@ -4,6 +4,7 @@ use egui::{DragValue, Grid, RichText, TextEdit, Ui};
 
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::edits::model::EditCommand;
+use crate::app::rooms::live::model::HoleDisplay;
 use crate::app::rooms::path::ui::size_ui;
 use crate::app::rooms::share::model::{
     DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
@@ -79,6 +80,9 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
         }
         ShareWay::Store if !state.live.cameras.shows_all() => hidden_cameras_ui(ui, state, commands),
         ShareWay::Pictures if options.pictures == SharedPictures::View => {
+            if state.holes_shown() == HoleDisplay::Dimmed && !options.linear {
+                note(ui, "As in the live view, what fills holes far from samples is dimmed.");
+            }
             let link =
                 ui.link(RichText::new("With what its colors mean and a scale bar it is a figure.").small());
             if link.accessible_name("Share a figure of this view").clicked() {

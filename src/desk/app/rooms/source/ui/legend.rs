@@ -263,14 +263,17 @@ fn holes_ui(ui: &mut Ui, state: &State) {
     let shares = state.doc.live_shown.as_ref().map(|shown| {
         let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
         let (holes, sky) = (shown.picture.stats.holes, shown.picture.sky_holes);
-        let sky = if state.holes_shown() == HoleDisplay::Filled { sky.min(holes) } else { 0 };
+        let sky = if state.holes_shown() == HoleDisplay::Hatched { 0 } else { sky.min(holes) };
         [model::percent(holes - sky, pixels), model::percent(sky, pixels)]
     });
     let share = shares.as_ref().map(|[unseen, _]| unseen);
     let named = |name: &str| share.map_or_else(|| name.to_owned(), |share| format!("{name} {share}"));
     match state.holes_shown() {
-        HoleDisplay::Filled => {
-            let name = named("filled (invented)");
+        holes @ (HoleDisplay::Filled | HoleDisplay::Dimmed) => {
+            let mut name = named("filled (invented)");
+            if holes == HoleDisplay::Dimmed && state.live.color_by == ColorBy::Picture {
+                name += ", dimmed far from samples";
+            }
             // Among the picture's own colors it has none of its own.
             let response = match state.live.color_by {
                 ColorBy::Picture => ui.label(RichText::new(name).small()),

@@ -8,7 +8,7 @@ use crate::app::camera_cues;
 use crate::app::colormap::{diverging, sequential};
 use crate::app::model::percent;
 use crate::app::rooms::compare::model::{CLASSES, CompareMeasure, ComparisonFigure, ShownSides};
-use crate::app::rooms::live::model::{ColorBy, LiveKey, Unit};
+use crate::app::rooms::live::model::{ColorBy, HoleDisplay, LiveKey, Unit};
 use crate::app::rooms::source::model::{Legend, Overlay, RATIO_RANGE, VIEW_DEPENDENCE_RANGE, ranked};
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
@@ -18,6 +18,9 @@ use overlook_lab::chart::{ColorBar, LegendEntry};
 
 /// Colors of a bar.
 const STEPS: usize = 128;
+
+/// What is said of fills that are dimmed.
+const DIMMED: &str = "Blurred and dark: not seen by any camera, and far from what was.";
 
 /// What is written below a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -110,6 +113,9 @@ pub(crate) fn of_source(
 pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
     let tokens = Tokens::of(key.dark);
     match key.color_by {
+        ColorBy::Picture if key.holes == HoleDisplay::Dimmed => {
+            Meaning { legend: vec![words(DIMMED)], color_bar: None }
+        }
         ColorBy::Picture => Meaning::default(),
         ColorBy::Camera => {
             let mut pixels: BTreeMap<u32, u64> = BTreeMap::new();
