@@ -1,5 +1,6 @@
 //! Editing by hand with the pointer: drawing in source pictures and in the live view, and the panel of all of it.
 
+use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 
@@ -78,6 +79,73 @@ fn click_in(window: &mut Window, picture: &str) {
 /// A number of the panel.
 fn number(window: &Window, name: &str) -> f64 {
     window.query_all_by_label(name).find_map(|node| node.accesskit_node().numeric_value()).unwrap()
+}
+
+/// Types a number into a field of the panel.
+fn type_number(window: &mut Window, name: &str, number: &str) {
+    window.get_by_role_and_label(Role::SpinButton, name).focus();
+    window.run_steps(2);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.event(egui::Event::Text(number.to_owned()));
+    window.key_press(Key::Enter);
+    window.run_steps(3);
+}
+
+#[test]
+fn a_box_is_set_by_its_handles_and_by_numbers() {
+    let mut window = editing();
+    // They would lie over its handles.
+    click(&mut window, "Hide cameras");
+    click(&mut window, "Select Box");
+    settle(&mut window);
+    assert!(shows(&window, "box") && shows(&window, "in memory"));
+    let here = window.state().observed().live_position;
+    let middle = window.get_by_label("Move shape").rect().center();
+    let sides = ["X", "Y", "Z"].into_iter().filter_map(|axis| {
+        let name = format!("Drag side +{axis}");
+        let handle = window.query_by_label(&name).map(|handle| handle.rect().center());
+        handle.map(|at| (axis, at - middle))
+    });
+    let (axis, along) = sides.max_by(|a, b| a.1.length().total_cmp(&b.1.length())).unwrap();
+    let of_axis =
+        |window: &Window| ["Half size", "Center"].map(|name| number(window, &format!("{name} {axis}")));
+    let [half, center] = of_axis(&window);
+    drag(&mut window, &format!("Drag side +{axis}"), vec2(0.5, 0.5), along.normalized() * 20.0);
+    settle(&mut window);
+    let [wider, beside] = of_axis(&window);
+    assert!(wider > half && beside != center, "the opposite side stays: {wider} {beside}");
+    assert!(((wider - half) - (beside - center).abs()).abs() < 0.01 * half, "{wider} {beside}");
+    let centers = |window: &Window| ["X", "Y", "Z"].map(|axis| number(window, &format!("Center {axis}")));
+    let before = centers(&window);
+    drag(&mut window, "Move shape", vec2(0.5, 0.5), vec2(25.0, 0.0));
+    settle(&mut window);
+    assert_ne!(centers(&window), before);
+    assert_eq!(of_axis(&window)[0], wider, "moved as it is");
+    assert_eq!(window.state().observed().live_position, here, "the view does not turn with it");
+    for (name, text) in [("Half size X", "0.25"), ("Center Z", "0.5"), ("Turned Y", "30")] {
+        type_number(&mut window, name, text);
+        assert_eq!(number(&window, name), text.parse::<f64>().unwrap(), "{name}");
+    }
+    settle(&mut window);
+    assert!(shows(&window, "in memory"));
+}
+
+#[test]
+fn the_check_box_of_an_edit_switches_it_off_and_on() {
+    let mut window = editing();
+    press(&mut window, Modifiers::NONE, Key::R);
+    draw(&mut window, "Source picture");
+    press(&mut window, Modifiers::NONE, Key::Delete);
+    let acts = |window: &Window| shows(window, "deleted (");
+    assert!(acts(&window));
+    for on in [false, true, false] {
+        click(&mut window, "Edit 1 acts");
+        settle(&mut window);
+        assert_eq!(acts(&window), on);
+    }
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert!(acts(&window), "switching is undone");
+    assert_eq!(window.get_all_by_label_contains("Name of edit").count(), 1, "the edit stays in the list");
 }
 
 #[test]

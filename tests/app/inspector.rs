@@ -29,6 +29,47 @@ fn a_pixel_clicked_in_the_source_is_argued_about_by_every_camera() {
     assert_ne!(window.state().observed().probed_pixel.unwrap(), kept);
 }
 
+/// The pixels of a picture in the window.
+fn seen(window: &mut Window, picture: &str) -> image::RgbaImage {
+    let area = window.get_by_label(picture).rect();
+    let [x, y, width, height] = [area.min.x, area.min.y, area.width(), area.height()].map(|side| side as u32);
+    image::imageops::crop_imm(&window.render().unwrap(), x, y, width, height).to_image()
+}
+
+#[test]
+fn the_pixel_under_the_pointer_is_marked_in_the_other_picture_until_the_pointer_leaves_its_own() {
+    let away = egui::pos2(5.0, 5.0);
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    for (own, other) in [("Source picture", "Live picture"), ("Live picture", "Source picture")] {
+        window.hover_at(away);
+        settle(&mut window);
+        let bare = seen(&mut window, other);
+        let area = window.get_by_label(own).rect();
+        window.hover_at(area.center());
+        wait(&mut window, "the pixel", |window| window.state().observed().probed_pixel.is_some());
+        settle(&mut window);
+        assert!(seen(&mut window, other) != bare, "marked in the {other}");
+        window.hover_at(away);
+        settle(&mut window);
+        assert!(seen(&mut window, other) == bare, "the mark in the {other} stays");
+    }
+    // Beside the picture, in its own view, nothing is pointed at.
+    let bare = seen(&mut window, "Live picture");
+    let area = window.get_by_label("Source picture").rect();
+    let picture = vec2(96.0, 72.0) * (area.width() / 96.0).min(area.height() / 72.0);
+    let beside = area.center()
+        + (area.size() + picture) / 4.0
+            * vec2(
+                f32::from(u8::from(area.width() > picture.x + 1.0)),
+                f32::from(u8::from(area.height() > picture.y + 1.0)),
+            );
+    assert!(beside != area.center(), "the picture fills its view");
+    window.hover_at(beside);
+    settle(&mut window);
+    assert!(seen(&mut window, "Live picture") == bare, "marked from beside the picture");
+}
+
 #[test]
 fn a_row_of_the_argument_shows_the_point_in_that_camera() {
     let mut window = open(small_demo(), SIZE);

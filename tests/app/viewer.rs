@@ -112,10 +112,19 @@ fn panels_hide_and_come_back_where_they_were() {
     assert_eq!((size_of_live_picture(&window), window.state().observed().views_in_sight), (docked, seen));
     assert!(shows(&window, "Samples kept"));
     click(&mut window, "Panels");
-    click(&mut window, "Show figures");
+    click(&mut window, "Show Summary bar");
     window.key_press(Key::Escape);
     window.run_steps(3);
     assert!(!shows(&window, "Samples kept"));
+    for (typed, shown) in [("show the summary bar", true), ("hide the summary bar", false)] {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::P);
+        window.run_steps(3);
+        window.get_by_label("Command").type_text(typed);
+        window.run_steps(3);
+        window.key_press(Key::Enter);
+        window.run_steps(3);
+        assert_eq!(shows(&window, "Samples kept"), shown, "{typed}");
+    }
 }
 
 #[test]

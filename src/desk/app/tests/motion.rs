@@ -5,6 +5,7 @@ use glam::DVec2;
 use crate::app::control::OverlookApp;
 use crate::app::model::{Command, Message};
 use crate::app::rooms::live::model::{CarriedLook, CarryKey, LiveKey, PixelSource, ViewCommand};
+use crate::app::rooms::pixel::model::{PixelCommand, Spot};
 use crate::app::tests::{ready, settle};
 use overlook_engine::capture::Camera;
 
@@ -48,6 +49,24 @@ fn what_is_drawn_over_a_picture_lies_where_that_picture_shows_it_until_it_is_car
     let seen = app.state.live_seen().unwrap();
     assert_eq!(seen.camera, &here);
     assert_ne!(seen.texture, app.state.doc.live_shown.as_ref().unwrap().texture.id());
+}
+
+#[test]
+fn the_pixel_under_the_pointer_keeps_its_place_in_the_scene_when_the_picture_changes_its_size() {
+    let mut app = ready(2, 1);
+    let size = |app: &OverlookApp| app.state.doc.live_shown.as_ref().unwrap().picture.size;
+    let point = |app: &OverlookApp| app.state.doc.probe.shown.as_ref().unwrap().point_in_world.unwrap();
+    let spot = Spot::Live { x: 24, y: 18, size: size(&app) };
+    assert_eq!(size(&app), [48, 36]);
+    app.apply(Command::Pixel(PixelCommand::Probe(Some(spot))));
+    settle(&mut app);
+    let before = point(&app);
+    app.apply(Command::View(ViewCommand::Size([96, 72])));
+    settle(&mut app);
+    assert_eq!(size(&app), [96, 72]);
+    let apart = (point(&app) - before).length();
+    let distance = app.state.live.orbit.as_ref().unwrap().pivot_distance;
+    assert!(apart < 0.05 * distance, "{apart} at {distance}");
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub(crate) fn shown_parts_ui(ui: &mut Ui, state: &State, commands: &mut Commands
         }
     }
     let mut totals = !state.look.hides_totals;
-    if ui.checkbox(&mut totals, "Summary bar").accessible_name("Show figures").changed() {
+    if ui.checkbox(&mut totals, "Summary bar").accessible_name("Show Summary bar").changed() {
         commands.push(Command::Window(WindowCommand::ShowTotals(totals)));
     }
     ui.horizontal(|ui| {
