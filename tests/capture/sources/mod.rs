@@ -5,6 +5,7 @@ mod phones;
 mod renderers;
 mod rigs;
 mod simulators;
+mod up;
 
 use crate::analytic_scene as scene;
 use std::fmt::Write;
@@ -292,33 +293,6 @@ fn a_list_of_poses_beside_depth_in_pgm_is_a_recording() {
     let said = open(&folder).unwrap().warnings.join("\n");
     assert!(said.contains("left out: 1 that cannot be read"), "{said}");
     assert!(said.contains("2 bytes of samples where 614400 are needed"), "{said}");
-}
-
-#[test]
-fn up_of_a_list_of_poses_is_the_axis_nearest_to_the_mean_of_the_cameras_up() {
-    let quarter = std::f64::consts::FRAC_PI_2;
-    let [x, _, z] = glam::DVec3::AXES;
-    for (turn, up, name) in [
-        (DAffine3::IDENTITY, z, "+z"),
-        // As of trackers whose world is that of their first camera.
-        (DAffine3::from_rotation_x(quarter), glam::DVec3::NEG_Y, "−y"),
-        (DAffine3::from_rotation_y(quarter), x, "+x"),
-        // Nearest to z still.
-        (DAffine3::from_rotation_x(0.3 * quarter), z, "+z"),
-    ] {
-        let folder = Folder::new();
-        let mut poses = String::new();
-        for (step, camera) in cameras(LENS).iter().enumerate() {
-            folder.put(&format!("color/{step}.png"), &color(camera, ImageFormat::Png));
-            folder.put(&format!("depth/{step}.png"), &depth_png(camera, 1000.0));
-            poses += &(text(&quaternion(&(turn * camera.world_from_camera))) + "\n");
-        }
-        folder.put("pose.txt", poses.as_bytes());
-        let found = Source::find(&folder.path("")).unwrap();
-        assert_eq!(found.open(&CaptureSettings::default()).unwrap().up_in_world, up);
-        let said = found.description().lines().join("\n");
-        assert!(said.contains(&format!("up is {name}, the axis nearest to the mean")), "{said}");
-    }
 }
 
 /// A manifest of nerfstudio's of the scene, with depth in files of this ending.

@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, ColorImage};
+use egui::{Color32, ColorImage, Rect, pos2};
 
-use super::figure::CompareInView;
 use super::vantage::CompareVantage;
 use crate::app::colormap::{diverging, sequential};
 use crate::app::model::scene::OpenScene;
@@ -203,6 +202,23 @@ pub(crate) struct CompareLook {
     pub part: PictureZoom,
     /// What of it is seen, as the view was drawn last.
     pub in_view: CompareInView,
+}
+
+/// What the view has of both pictures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CompareInView {
+    /// The part of the pictures that is in view, as shares of their size.
+    pub part: Rect,
+    /// Where the line of a wipe is, as a share of the pictures' width; beyond 0 and 1 it lies beside them.
+    pub line: f32,
+    /// Whether the right side stands in the place of the left one as long as a key is held.
+    pub flipped: bool,
+}
+
+impl Default for CompareInView {
+    fn default() -> Self {
+        Self { part: Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), line: 0.5, flipped: false }
+    }
 }
 
 impl Default for CompareLook {

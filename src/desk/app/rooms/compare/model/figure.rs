@@ -2,26 +2,9 @@
 
 use std::sync::Arc;
 
-use egui::{ColorImage, Rect, pos2};
+use egui::ColorImage;
 
-use super::comparison::{CompareLook, CompareMeasure, CompareMode, ShownComparison};
-
-/// What the view has of both pictures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CompareInView {
-    /// The part of the pictures that is in view, as shares of their size.
-    pub part: Rect,
-    /// Where the line of a wipe is, as a share of the pictures' width; beyond 0 and 1 it lies beside them.
-    pub line: f32,
-    /// Whether the right side stands in the place of the left one as long as a key is held.
-    pub flipped: bool,
-}
-
-impl Default for CompareInView {
-    fn default() -> Self {
-        Self { part: Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), line: 0.5, flipped: false }
-    }
-}
+use super::comparison::{CompareInView, CompareLook, CompareMeasure, CompareMode, ShownComparison};
 
 /// Which pictures are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

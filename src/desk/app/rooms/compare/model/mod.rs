@@ -2,6 +2,7 @@
 
 pub(crate) mod command;
 pub(crate) mod comparison;
+pub(crate) mod difference_text;
 pub(crate) mod figure;
 pub(crate) mod key;
 pub(crate) mod sides;
@@ -9,8 +10,9 @@ pub(crate) mod vantage;
 
 pub(crate) use command::CompareCommand;
 pub(crate) use comparison::{
-    CLASSES, CompareChoice, CompareKey, CompareLook, CompareMeasure, CompareMode, CompareSide, DisplayColors,
-    PictureDifference, ShownComparison,
+    CLASSES, CompareChoice, CompareInView, CompareKey, CompareLook, CompareMeasure, CompareMode, CompareSide,
+    DisplayColors, PictureDifference, ShownComparison,
 };
-pub(crate) use figure::{CompareInView, ComparisonFigure, ShownSides};
+pub(crate) use difference_text::{about_pixel, figures};
+pub(crate) use figure::{ComparisonFigure, ShownSides};
 pub(crate) use vantage::CompareVantage;
