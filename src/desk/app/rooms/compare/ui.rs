@@ -205,7 +205,7 @@ fn canvas_ui(
     let pointer = response.hover_pos();
     let under = areas.iter().find(|area| pointer.is_some_and(|at| area.contains(at))).or(areas.first());
     let picture = look.part.placed(size, *under.unwrap_or(&canvas));
-    look.in_view = in_view(look, size, canvas, areas[0], flipped);
+    look.in_view = in_view(look, size, canvas, areas[0], flipped).unwrap_or(look.in_view);
     move_ui(ui, &response, canvas, picture, look);
     let at = response.hover_pos().filter(|at| picture.contains(*at))?;
     let at = (at - picture.min) / picture.size() * size;
@@ -239,17 +239,17 @@ fn area_of(mode: CompareMode, canvas: Rect, [from, to]: [f32; 2]) -> Rect {
     }
 }
 
-/// What is seen of pictures of `size`, of which the first is fitted into `area`.
-fn in_view(look: &CompareLook, size: Vec2, canvas: Rect, area: Rect, flipped: bool) -> CompareInView {
-    let picture = look.part.placed(size, area);
+/// What is seen of pictures of `size`, of which the first is fitted into `area`; `None` where that has no room.
+fn in_view(look: &CompareLook, size: Vec2, canvas: Rect, area: Rect, flipped: bool) -> Option<CompareInView> {
+    let picture = Some(look.part.placed(size, area)).filter(|picture| picture.is_positive())?;
     let share = |at: egui::Pos2| ((at - picture.min) / picture.size()).to_pos2();
     let seen = picture.intersect(area);
     let line = canvas.left() + canvas.width() * look.wipe;
-    CompareInView {
+    Some(CompareInView {
         part: Rect::from_min_max(share(seen.min), share(seen.max)),
         line: (line - picture.left()) / picture.width(),
         flipped,
-    }
+    })
 }
 
 fn draw(

@@ -157,7 +157,7 @@ fn place_of_selection(shown: &SampleSet, samples: &SampleSet) -> Option<Selectio
         }
         let selected = own.placed(&samples.cameras[own.camera as usize]).filter(|placed| {
             let index = placed.sample.index;
-            shown.color[index] != own.color[index]
+            shown.color.get(index) != own.color.get(index)
         });
         selected.fold(none, |known, placed| joined(known, (1.0, placed.point_in_world, 0.0)))
     };

@@ -113,7 +113,7 @@ pub(crate) fn of_source(
 pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
     let tokens = Tokens::of(key.dark);
     match key.color_by {
-        ColorBy::Picture if key.holes == HoleDisplay::Dimmed => {
+        ColorBy::Picture if key.holes == HoleDisplay::Dimmed && has_fills(rendered) => {
             Meaning { legend: vec![words(DIMMED)], color_bar: None }
         }
         ColorBy::Picture => Meaning::default(),
@@ -175,6 +175,12 @@ pub(crate) fn of_comparison(compared: &ComparisonFigure) -> Meaning {
             Meaning { legend: sides.iter().map(|side| words(side)).collect(), color_bar: None }
         }
     }
+}
+
+/// Whether some pixel shows a surface that no sample reached.
+fn has_fills(rendered: &Picture) -> bool {
+    let pixels = rendered.image.as_slice().iter().zip(rendered.inverse_depth.as_slice());
+    pixels.into_iter().any(|(image, inverse_depth)| *image == NO_IMAGE && *inverse_depth > 0.0)
 }
 
 fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
