@@ -242,7 +242,8 @@ fn a_right_click_on_a_picture_copies_it_or_its_figure_and_leads_to_saving_one() 
     open_menu(&mut window, "Live picture");
     assert!(window.query_by_label(ADDRESS).is_some() && window.query_by_label("Solo").is_none());
     window.get_by_label("Copy picture").click();
-    assert!(copied_image(&mut window)[0] > 200, "as large as the view shows it");
+    let shown = window.state().observed().live_coverage.unwrap().0;
+    assert_eq!(copied_image(&mut window), shown, "as it is rendered for the view");
     open_menu(&mut window, "Source picture");
     assert!(window.query_by_label(ADDRESS).is_none(), "a source picture has none");
     window.get_by_label("Copy picture").click();

@@ -23,6 +23,9 @@ fn up_of_a_list_of_poses_is_the_axis_nearest_to_the_mean_of_the_cameras_up() {
             poses += &(text(&quaternion(&(turn * camera.world_from_camera))) + "\n");
         }
         folder.put("pose.txt", poses.as_bytes());
+        let Intrinsics { fx, fy, cx, cy, .. } = LENS;
+        let lens = format!("{fx} 0 {cx}\n0 {fy} {cy}\n0 0 1\n");
+        folder.put("camera-intrinsics.txt", lens.as_bytes());
         let found = Source::find(&folder.path("")).unwrap();
         assert_eq!(found.open(&CaptureSettings::default()).unwrap().up_in_world, up);
         let said = found.description().lines().join("\n");

@@ -176,7 +176,7 @@ fn canvas_ui(
     };
     picture_menu_ui(&response, FigureOf::Compared, state, commands);
     let size = Vec2::from(compared.comparison.images[0].size.map(|side| side as f32));
-    let flipped = response.is_pointer_button_down_on() && look.mode == CompareMode::Flip
+    let flipped = is_pressed(ui, &response) && look.mode == CompareMode::Flip
         || ui.input(|input| input.key_down(Key::X));
     let parts = parts(look, flipped);
     let areas: Vec<Rect> = parts.iter().map(|(_, shares)| area_of(look.mode, canvas, *shares)).collect();
@@ -274,6 +274,11 @@ fn draw(
     }
 }
 
+/// Whether the primary button is held on the pictures: the other one opens their menu.
+fn is_pressed(ui: &Ui, response: &Response) -> bool {
+    response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down())
+}
+
 /// Drags the line of the wipe, or the picture; the wheel zooms to the pointer.
 fn move_ui(ui: &Ui, response: &Response, canvas: Rect, picture: Rect, look: &mut CompareLook) {
     if response.double_clicked() {
@@ -286,7 +291,7 @@ fn move_ui(ui: &Ui, response: &Response, canvas: Rect, picture: Rect, look: &mut
         || look.mode != CompareMode::Wipe;
     if response.dragged() && shifts {
         look.part = look.part.shifted(response.drag_delta() / picture.size());
-    } else if response.is_pointer_button_down_on()
+    } else if is_pressed(ui, response)
         && look.mode == CompareMode::Wipe
         && let Some(pointer) = response.interact_pointer_pos()
     {

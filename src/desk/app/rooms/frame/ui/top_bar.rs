@@ -14,7 +14,7 @@ use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::help::model::{CommandPalette, HelpPage};
 use crate::app::rooms::live::model::ViewCommand;
 use crate::app::rooms::readings::model::ReadingCommand;
-use crate::app::rooms::share::model::ShareCommand;
+use crate::app::rooms::share::model::{FigureOf, ShareCommand};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note};
 use overlook_engine::demo::SCENES;
@@ -104,7 +104,7 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let (opened, shown) = (state.doc.scene.is_some(), state.doc.live_shown.is_some());
         for (name, keys, enabled, command) in [
             ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
-            ("Copy picture", "", shown, Command::View(ViewCommand::CopyPicture)),
+            ("Copy picture", "", shown, Command::Share(ShareCommand::CopyPicture(FigureOf::Live))),
             ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
             ("Save session…", "", opened, Command::File(FileCommand::AskPath(Purpose::SaveSession))),
             ("Save settings…", "", true, Command::File(FileCommand::AskPath(Purpose::SaveSettings))),

@@ -15,6 +15,7 @@ use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::rooms::settings::model::{PRESETS, SettingsCommand, setting_names};
+use crate::app::rooms::share::model::{FigureOf, ShareCommand};
 use crate::app::rooms::source::model::{Overlay, SourceCommand};
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::theme::space;
@@ -212,7 +213,7 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
             "",
             Command::Settings(SettingsCommand::NamePreset(Some(String::new()))),
         ),
-        ("Copy picture", "", Command::View(ViewCommand::CopyPicture)),
+        ("Copy picture", "", Command::Share(ShareCommand::CopyPicture(FigureOf::Live))),
         ("Copy explanation", "Ctrl+Shift+C", Command::Pixel(PixelCommand::CopyExplanation)),
         ("Undo", "Ctrl+Z", Command::Undo),
         ("Redo", "Ctrl+Y", Command::Redo),

@@ -78,7 +78,6 @@ impl OverlookApp {
                     live.orbit = Some(OrbitCamera::at_camera(scene, camera));
                 }
             }
-            ViewCommand::CopyPicture => self.copy_picture(),
             ViewCommand::FramePoint => self.frame_point(),
             ViewCommand::AngleOfView(angle) => self.turn(|orbit| orbit.set_angle_of_view(angle)),
             ViewCommand::Position(at) => self.turn(|orbit| orbit.world_from_camera.translation = at),

@@ -66,7 +66,6 @@ pub(crate) enum ViewCommand {
     Holes(HoleDisplay),
     ShowCameras(bool),
     Size([u32; 2]),
-    CopyPicture,
     /// Center the live view on the selected pixel.
     FramePoint,
 }

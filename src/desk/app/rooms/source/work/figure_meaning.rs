@@ -179,8 +179,8 @@ pub(crate) fn of_comparison(compared: &ComparisonFigure) -> Meaning {
 
 /// Whether some pixel shows a surface that no sample reached.
 fn has_fills(rendered: &Picture) -> bool {
-    let pixels = rendered.image.as_slice().iter().zip(rendered.inverse_depth.as_slice());
-    pixels.into_iter().any(|(image, inverse_depth)| *image == NO_IMAGE && *inverse_depth > 0.0)
+    let mut pixels = rendered.image.as_slice().iter().zip(rendered.inverse_depth.as_slice());
+    pixels.any(|(image, inverse_depth)| *image == NO_IMAGE && *inverse_depth > 0.0)
 }
 
 fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
