@@ -119,6 +119,27 @@ fn panels_hide_and_come_back_where_they_were() {
 }
 
 #[test]
+fn the_side_panel_of_every_workspace_hides_as_a_whole() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Workspace: Explore");
+    open_view(&mut window, "Camera path");
+    let (docked, seen) = (size_of_live_picture(&window), window.state().observed().views_in_sight);
+    let press = |window: &mut Window, key| {
+        window.key_press_modifiers(Modifiers::COMMAND, key);
+        window.run_steps(4);
+        window.state().observed().views_in_sight
+    };
+    assert_eq!(press(&mut window, Key::J), seen, "no lower panel is here");
+    press(&mut window, Key::J);
+    assert_eq!(press(&mut window, Key::B), ["Live view"]);
+    let large = size_of_live_picture(&window);
+    assert!(large.x > 0.95 * SIZE[0], "{large}");
+    open_view(&mut window, "Camera path");
+    assert_eq!((size_of_live_picture(&window), window.state().observed().views_in_sight), (docked, seen));
+}
+
+#[test]
 fn each_workspace_shows_what_it_is_for() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);

@@ -55,11 +55,11 @@ impl OverlookApp {
 
     /// Brings a view to the front: out of an area that was hidden, and from behind one that fills the window.
     fn open_view(&mut self, view: DockView) {
-        if let Some(area) = view.area() {
+        self.dock.open(view);
+        if let Some(area) = self.dock.area_of(view) {
             self.show_area(area, true);
         }
         self.state.look.maximized = self.state.look.maximized.filter(|maximized| *maximized == view);
-        self.dock.open(view);
     }
 
     fn show_area(&mut self, area: Area, show: bool) {
