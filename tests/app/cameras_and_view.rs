@@ -147,6 +147,40 @@ fn a_pyramid_is_clicked_to_choose_its_camera_and_double_clicked_to_view_from_it(
 }
 
 #[test]
+fn a_double_click_orbits_about_the_point_under_the_pointer_and_resets_the_view_where_nothing_is() {
+    let mut window = explore();
+    // Tall enough for the whole panel.
+    window.set_size(vec2(SIZE[0], 1200.0));
+    window.run_steps(4);
+    settle(&mut window);
+    let apart = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let double_click = |window: &mut Window, share: egui::Vec2| {
+        let canvas = window.get_by_label("Live picture").rect();
+        click_at(window, canvas.min + canvas.size() * share, 2);
+        settle(window);
+        // The next click is one of its own.
+        std::thread::sleep(std::time::Duration::from_millis(600));
+        window.run_steps(12);
+        position(window)
+    };
+    let home = position(&window);
+    let focused = double_click(&mut window, vec2(0.45, 0.6));
+    assert!(apart(home, focused) > 1e-3, "the point is in the middle now");
+    let again = double_click(&mut window, vec2(0.5, 0.5));
+    assert!(apart(focused, again) < 0.3 * apart(home, focused), "{home:?} {focused:?} {again:?}");
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::ALT, Key::ArrowLeft);
+        settle(&mut window);
+    }
+    assert!(apart(position(&window), home) < 1e-9);
+    drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
+    click(&mut window, "All off");
+    settle(&mut window);
+    assert_ne!(position(&window), home);
+    assert_eq!(double_click(&mut window, vec2(0.45, 0.6)), home);
+}
+
+#[test]
 fn the_list_to_go_to_is_filtered_by_name() {
     let mut window = explore();
     click(&mut window, "Go to camera");

@@ -78,6 +78,7 @@ impl OverlookApp {
             }
             ViewCommand::CopyPicture => self.copy_picture(),
             ViewCommand::FramePoint => self.frame_point(),
+            ViewCommand::Focus(point) => self.turn(|orbit| orbit.look_at(point)),
             ViewCommand::AngleOfView(angle) => self.turn(|orbit| orbit.set_angle_of_view(angle)),
             ViewCommand::Position(at) => self.turn(|orbit| orbit.world_from_camera.translation = at),
             ViewCommand::Angles(angles) => self.turn(|orbit| orbit.set_angles(angles)),

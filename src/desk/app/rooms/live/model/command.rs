@@ -71,6 +71,8 @@ pub(crate) enum ViewCommand {
     CopyPicture,
     /// Center the live view on the selected pixel.
     FramePoint,
+    /// Center the live view on a point in world space, and orbit about it.
+    Focus(DVec3),
 }
 
 /// What can be done with views that are kept, by their index in the list.

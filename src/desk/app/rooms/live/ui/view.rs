@@ -222,6 +222,14 @@ fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec
     (inverse_depth > 0.0).then(|| seen.camera.unproject(place, 1.0 / inverse_depth))
 }
 
+/// What a double-click asks for: to orbit about the point under the pointer, or the first view where there is none; nothing while
+/// the picture's depth cannot be read.
+fn focus(response: &Response, canvas: Rect, state: &State) -> Option<ViewCommand> {
+    state.live_seen()?.inverse_depth?;
+    let point = response.interact_pointer_pos().and_then(|at| point_under(state, canvas, at));
+    Some(point.map_or(ViewCommand::Home, ViewCommand::Focus))
+}
+
 /// Turns, shifts and zooms the view; `is_taken` where a camera answers clicks.
 fn motion(
     ui: &Ui,
@@ -232,7 +240,7 @@ fn motion(
     commands: &mut Commands,
 ) {
     if response.double_clicked() && !is_taken && !state.live.ruler.active {
-        commands.push(Command::View(ViewCommand::Home));
+        commands.extend(focus(response, canvas, state).map(Command::View));
         return;
     }
     let draws = state.doc.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
@@ -281,8 +289,8 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         None if state.is_frame_failed() => words::FAILED_FRAME.to_owned(),
         None => "Rendering the first picture.".to_owned(),
     };
-    let help = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to reset the view, click to pin \
-                the pixel.";
+    let help = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to orbit about a point (beside all \
+                surfaces: to reset the view), click to pin the pixel.";
     let notice = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
     let (facts, color) = match notice {
         Some(notice) => (notice.clone(), tokens.warning),
