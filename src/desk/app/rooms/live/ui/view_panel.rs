@@ -1,4 +1,4 @@
-//! The live view's camera in numbers, its guides, and the cameras whose samples it shows.
+//! The live view's lens, the cameras whose samples it shows, its pose in numbers, its guides, and the views that are kept.
 
 use std::f64::consts::PI;
 
@@ -20,13 +20,14 @@ pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
     let mut sent = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         lens_ui(ui, orbit, &mut sent);
+        heading_ui(ui, "Cameras");
+        // The rows are closer than what follows.
+        ui.scope(|ui| camera_list_ui(ui, state, commands));
         pose_ui(ui, state, orbit, &mut sent);
         guides_ui(ui, state, &mut sent);
         moving_ui(ui, state, &mut sent);
         heading_ui(ui, "Kept views");
         kept_views_ui(ui, state, &mut sent);
-        heading_ui(ui, "Cameras");
-        camera_list_ui(ui, state, commands);
     });
     commands.extend(sent.into_iter().map(Command::View));
 }
