@@ -278,9 +278,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
             let [width, height] = shown.picture.size;
             let reused = if stats.background_reused { ", static part cached" } else { "" };
             format!(
-                "{} ({}) · {} at {width}×{height} in {} ms by the {}{reused}",
-                model::count_of(stats.holes, "hole"),
-                model::percent(stats.holes, (width * height).max(1) as u64),
+                "{} at {width}×{height} in {} ms by the {}{reused}",
                 model::count_of(stats.samples, "sample"),
                 model::significant(stats.milliseconds),
                 shown.picture.painter
