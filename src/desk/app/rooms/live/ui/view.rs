@@ -29,8 +29,8 @@ use overlook_engine::render::NO_IMAGE;
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
 
-/// Largest side of the live view in pixels that is asked for, so that turning stays smooth on large displays.
-const LARGEST_SIDE: f32 = 1600.0;
+/// Largest side of the live view in pixels that is asked for.
+const LARGEST_SIDE: f32 = 4096.0;
 
 /// Width of `Holes` and what separates it, points.
 const LABEL_WIDTH: f32 = 66.0;
