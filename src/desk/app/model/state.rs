@@ -81,6 +81,8 @@ pub(crate) struct State {
     pub recent: Vec<PathBuf>,
     /// What the live view showed of some of them.
     pub recent_pictures: Vec<RecentPicture>,
+    /// Which way was chosen to be up in what was open, in world space; `None` where it was asked and left as it is.
+    pub chosen_ups: Vec<(PathBuf, Option<DVec3>)>,
     /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
     pub busy: Vec<Busy>,
 }
@@ -299,6 +301,7 @@ impl Default for State {
             display: Display::default(),
             recent: Vec::new(),
             recent_pictures: Vec::new(),
+            chosen_ups: Vec::new(),
             busy: Vec::new(),
         }
     }

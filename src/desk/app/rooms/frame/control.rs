@@ -54,7 +54,7 @@ impl OverlookApp {
     }
 
     /// Brings a view to the front: out of an area that was hidden, and from behind one that fills the window.
-    fn open_view(&mut self, view: DockView) {
+    pub(crate) fn open_view(&mut self, view: DockView) {
         self.dock.open(view);
         if let Some(area) = self.dock.area_of(view) {
             self.show_area(area, true);

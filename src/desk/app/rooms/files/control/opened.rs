@@ -9,7 +9,7 @@ use crate::app::model;
 use crate::app::model::{Document, OpenScene, SceneSource};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::compare::model::CompareVantage;
-use crate::app::rooms::frame::model::{DockView, NoticeKind};
+use crate::app::rooms::frame::model::{DockView, NoticeKind, NoticeLink};
 use crate::app::rooms::settings::model::SettingPairs;
 use crate::app::rooms::source::model::SourceLook;
 use crate::app::work::slot::AnySlot;
@@ -56,6 +56,7 @@ impl OverlookApp {
         state.share.close_scene();
         state.timeline = state.timeline.at_start();
         state.live = state.live.at_scene(scene);
+        state.take_chosen_up(scene);
         state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
         state.display = Display::default();
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
@@ -80,9 +81,21 @@ impl OverlookApp {
                 counted(changed, "setting"),
                 either(changed, "differs", "differ")
             );
-            state.notify_with_link("Settings were kept", text, DockView::Thresholds);
+            state.notify_with_link("Settings were kept", text, NoticeLink::View(DockView::Thresholds));
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
+        self.ask_for_up(scene);
+    }
+
+    /// Asks once of a capture whose up was taken from the cameras whether it is right.
+    fn ask_for_up(&mut self, scene: &OpenScene) {
+        let SceneSource::Path(path) = &scene.origin else { return };
+        let is_known = self.state.chosen_ups.iter().any(|(known, _)| known == path);
+        if scene.up_is_estimated && !is_known && scene.session.is_none() {
+            self.state.chosen_ups.push((path.clone(), None));
+            let text = "The files do not say which way is up; it was taken from the cameras.";
+            self.state.notify_with_link("Does it lie on its side?", text, NoticeLink::Up);
+        }
     }
 
     pub(crate) fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {

@@ -14,6 +14,9 @@ use crate::app::rooms::live::model::{
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, note, segments_ui};
 
+/// Frames of the window for which the panel scrolls to what was asked for: it may lie behind another then.
+const NEW: u64 = 4;
+
 /// The panel.
 pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(orbit) = &state.live.orbit else { return };
@@ -156,7 +159,11 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
             sent.push(ViewCommand::FlySpeed(speed));
         }
         ui.end_row();
-        ui.label("Up");
+        let up = ui.label("Up");
+        let now = ui.ctx().cumulative_frame_nr();
+        if state.live.up_wanted_at.is_some_and(|at| now <= at + NEW) {
+            up.scroll_to_me(Some(egui::Align::Center));
+        }
         if let Some(up) = choice_ui(ui, "Up axis", state.live.up, &UP_DIRECTIONS, 106.0) {
             sent.push(ViewCommand::Up(up));
         }
