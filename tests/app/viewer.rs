@@ -176,6 +176,9 @@ fn a_store_has_no_empty_source_panel_and_a_single_frame_no_timeline() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     assert!(window.query_by_label("Timeline").is_some());
+    let of_time = ["Source shows: Motion", "Live view shows: Motion"];
+    let has_time_tab = |window: &Window| window.query_by_role_and_label(Role::Button, "Time").is_some();
+    assert!(of_time.iter().all(|name| window.query_by_label(name).is_some()) && has_time_tab(&window));
     let docked = size_of_live_picture(&window);
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
@@ -186,5 +189,11 @@ fn a_store_has_no_empty_source_panel_and_a_single_frame_no_timeline() {
     let mut window = open(demo(2, 1, (64, 48)), SIZE);
     settle(&mut window);
     assert!(window.query_by_label("Timeline").is_none());
+    assert!(of_time.iter().all(|name| window.query_by_label(name).is_none()) && !has_time_tab(&window));
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::J);
+        window.run_steps(3);
+    }
+    assert!(window.query_by_role_and_label(Role::Button, "Memory").is_some() && !has_time_tab(&window));
     assert!(window.state().observed().views_in_sight.contains(&"Source"));
 }

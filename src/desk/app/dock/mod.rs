@@ -140,6 +140,14 @@ impl Dock {
         }
     }
 
+    /// Shows or hides one view, at any place.
+    pub(crate) fn show_view(&mut self, view: DockView, show: bool) {
+        let tree = self.tree_mut();
+        if let Some(pane) = tree.tiles.find_pane(&view) {
+            tree.tiles.set_visible(pane, show);
+        }
+    }
+
     /// Brings a view to the front; one that is not in the layout is put beside its neighbor.
     pub(crate) fn open(&mut self, view: DockView) {
         let (is_new, workspace) = (!self.holds(view), self.workspace);

@@ -10,8 +10,9 @@ use crate::app::model::{Document, OpenScene, SceneSource};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::compare::model::CompareVantage;
 use crate::app::rooms::frame::model::{DockView, NoticeKind, NoticeLink};
+use crate::app::rooms::live::model::ColorBy;
 use crate::app::rooms::settings::model::SettingPairs;
-use crate::app::rooms::source::model::SourceLook;
+use crate::app::rooms::source::model::{Overlay, SourceLook};
 use crate::app::work::slot::AnySlot;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::Settings;
@@ -20,7 +21,7 @@ impl OverlookApp {
     pub(crate) fn opened(&mut self, scene: &Arc<OpenScene>) {
         self.state.remember_picture();
         self.forget_closed_scene(scene);
-        self.show_source_where_there_is_one();
+        self.show_views_of_scene();
         self.notify_of_opened(scene);
         // Work for the closed scene stops, except for files that are being written.
         self.workers.whole.cancel();
@@ -59,6 +60,12 @@ impl OverlookApp {
         state.take_chosen_up(scene);
         state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
         state.display = Display::default();
+        if state.overlays().all(|(overlay, ..)| overlay != state.source.overlay) {
+            state.source.overlay = Overlay::default();
+        }
+        if state.live_colors().all(|(color_by, ..)| color_by != state.live.color_by) {
+            state.live.color_by = ColorBy::Picture;
+        }
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
     }
 

@@ -6,13 +6,13 @@ use crate::app::rooms::edits::model::{EditCommand, EditTool};
 use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
 use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::help::model::HelpPage;
-use crate::app::rooms::live::model::{ColorBy, HoleDisplay, ViewCommand};
+use crate::app::rooms::live::model::{HoleDisplay, ViewCommand};
 use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::rooms::report::model::{Table, TableForm};
 use crate::app::rooms::settings::model::{PRESETS, SettingsCommand, setting_names};
-use crate::app::rooms::source::model::{Overlay, SourceCommand};
+use crate::app::rooms::source::model::SourceCommand;
 use crate::app::rooms::timeline::model::TimeCommand;
 use overlook_engine::demo::SCENES;
 use overlook_engine::edits::Action;
@@ -150,13 +150,13 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
     let mut add = |name: String, keys: &'static str, command: Command| {
         entries.push(PaletteEntry::new(name, keys, command));
     };
-    for (view, name, _) in DockView::ALL {
+    for (view, name, _) in DockView::ALL.into_iter().filter(|(view, ..)| state.has_use_of(*view)) {
         add(format!("Open view: {name}"), "", Command::Window(WindowCommand::OpenView(view)));
     }
-    for (overlay, name, _) in Overlay::ALL {
+    for (overlay, name, _) in state.overlays() {
         add(format!("Source shows: {name}"), "", Command::Source(SourceCommand::Overlay(overlay)));
     }
-    for (color_by, name, _) in ColorBy::ALL {
+    for (color_by, name, _) in state.live_colors() {
         add(format!("Live view shows: {name}"), "", Command::View(ViewCommand::ColorBy(color_by)));
     }
     for (holes, name, _) in HoleDisplay::ALL {

@@ -11,7 +11,7 @@ use crate::app::rooms::cameras::ui::{overlay as cameras_overlay, overlays};
 use crate::app::rooms::edits::model::{DrawnDepth, EditTool};
 use crate::app::rooms::edits::ui::drawing::{Drawn, PicturePlace};
 use crate::app::rooms::edits::ui::{drawing, shapes as edit_shapes};
-use crate::app::rooms::live::model::{ColorBy, HoleDisplay, ViewCommand};
+use crate::app::rooms::live::model::{HoleDisplay, ViewCommand};
 use crate::app::rooms::live::ui::{go_to, guides};
 use crate::app::rooms::pixel::model::{Spot, verdict_text as words};
 use crate::app::rooms::source::ui::view::FOOTER;
@@ -53,9 +53,7 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
-        let has_values = !state.value_channels().is_empty();
-        let choices = ColorBy::ALL.into_iter().filter(|(of, ..)| has_values || *of != ColorBy::Value);
-        if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
+        if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, state.live_colors()) {
             commands.push(Command::View(ViewCommand::ColorBy(color_by)));
         }
         let needed = LABEL_WIDTH + least_width_of_segments(ui, &HoleDisplay::ALL);
