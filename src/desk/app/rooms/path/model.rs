@@ -111,6 +111,18 @@ impl CameraPath {
         (changes.moved, changes.is_latest) = (moved, true);
     }
 
+    /// Whether undo (or redo) would take a change of the keys back (or make it again).
+    pub(crate) fn can(&self, undo: bool) -> bool {
+        self.changes.is_latest && self.changes.steps.can(undo)
+    }
+
+    /// The changes that undo would take back, or redo make again, by their names, the next first.
+    pub(crate) fn named_changes(&self, undo: bool) -> impl Iterator<Item = String> {
+        let changes = Some(&self.changes).filter(|changes| changes.is_latest).into_iter();
+        let pairs = changes.flat_map(move |changes| changes.steps.changes(undo, &self.keys));
+        pairs.map(|[before, after]| named(before, after))
+    }
+
     /// Takes the last change of the keys back, or does it again; false where there is none, or something else was changed since.
     pub(crate) fn step(&mut self, undo: bool) -> bool {
         let changes = &mut self.changes;
@@ -232,6 +244,20 @@ pub(crate) enum PathCommand {
     Play(bool),
     /// Take every key out of the camera path.
     Clear,
+}
+
+/// What was done to keys.
+fn named(before: &[SavedPathKey], after: &[SavedPathKey]) -> String {
+    let differing = before.iter().zip(after).filter(|(before, after)| before != after).count();
+    let first = before.iter().zip(after).position(|(before, after)| before != after);
+    let number = first.unwrap_or(before.len().min(after.len())) + 1;
+    match (after.len() as i64 - before.len() as i64, differing) {
+        (_, _) if after.is_empty() => "Remove all keys".to_owned(),
+        (1, 0) => format!("Add key {number}"),
+        (-1, _) => format!("Remove key {number}"),
+        (0, 1) => format!("Move key {number}"),
+        _ => "Open camera path".to_owned(),
+    }
 }
 
 #[cfg(test)]
