@@ -15,6 +15,7 @@ impl OverlookApp {
     pub(crate) fn apply_to_path(&mut self, command: PathCommand) {
         let frame = self.state.timeline.frame;
         let here = self.state.live.orbit.clone().map(|orbit| SavedPathKey { orbit, frame });
+        let rate = f64::from(self.state.timeline.frames_per_second);
         let path = &mut self.state.doc.path;
         let before = path.keys.clone();
         let mut moved = None;
@@ -48,7 +49,8 @@ impl OverlookApp {
                     self.go_to_key(key);
                 }
             }
-            PathCommand::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
+            PathCommand::PicturesPerLeg(pictures) => path.set_pictures_per_leg(pictures),
+            PathCommand::Seconds(seconds) => path.set_seconds(seconds, rate),
             PathCommand::PictureSize(size) => path.size = Some(size),
             PathCommand::Play(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
         }

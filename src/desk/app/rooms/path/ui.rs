@@ -3,11 +3,11 @@
 use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
 
-use crate::app::model::{Command, Commands, SIDES, State, significant};
+use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
-use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::path::model::{MOST_ON_A_LEG, PathCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
-use crate::app::widgets::{empty_ui, icon_button, weak};
+use crate::app::widgets::{empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
 
 /// Columns and rows of exported pictures.
@@ -55,6 +55,7 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         });
     }
+    still_ui(ui, state);
     keys_ui(ui, state, commands);
 }
 
@@ -68,8 +69,8 @@ enum PathControls {
 }
 
 /// Widths from which on all controls fit into one row and into two.
-const ONE_ROW: f32 = 785.0;
-const TWO_ROWS: f32 = 430.0;
+const ONE_ROW: f32 = 835.0;
+const TWO_ROWS: f32 = 480.0;
 
 fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
     let path = &state.doc.path;
@@ -90,13 +91,13 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
         PathControls::Pace => {
             ui.label("Frames per segment");
             let mut pictures = path.pictures_per_leg;
-            let drag = DragValue::new(&mut pictures).range(1..=2000);
+            let drag = DragValue::new(&mut pictures).range(1..=MOST_ON_A_LEG);
             if ui.add(drag).accessible_name("Frames per segment").changed() {
                 commands.push(Command::Path(PathCommand::PicturesPerLeg(pictures)));
             }
             if ready {
-                let seconds = path.pictures() as f64 / f64::from(state.timeline.frames_per_second);
-                weak(ui, format!("{} s", significant(seconds))).on_hover_text("Length of the path.");
+                ui.label("Length");
+                length_ui(ui, state, commands);
             }
         }
         PathControls::Size => {
@@ -109,6 +110,31 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
                 commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Film))));
             }
         }
+    }
+}
+
+/// How long the film of the path is.
+pub(crate) fn length_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let mut seconds = state.doc.path.seconds(f64::from(state.timeline.frames_per_second));
+    let drag = DragValue::new(&mut seconds).range(0.1..=3600.0).speed(0.05).max_decimals(2).suffix(" s");
+    let field = ui.add(drag.update_while_editing(false)).on_hover_text(LENGTH);
+    if field.accessible_name("Length of the film").changed() {
+        commands.push(Command::Path(PathCommand::Seconds(seconds)));
+    }
+}
+
+const LENGTH: &str = "Seconds of the film. Each segment gets as many whole frames as come nearest to it.";
+
+/// Says that time stands still along the path, where it does.
+pub(crate) fn still_ui(ui: &mut Ui, state: &State) {
+    if let Some(frame) = state.doc.path.only_frame().filter(|_| state.has_time()) {
+        let number = frame + 1;
+        note(
+            ui,
+            format!(
+                "Time stands still in the film: all keys lie at frame {number}. Drag keys along the time bar to let it pass."
+            ),
+        );
     }
 }
 

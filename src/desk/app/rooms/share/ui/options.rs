@@ -3,7 +3,7 @@
 use egui::{DragValue, Grid, TextEdit, Ui};
 
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::path::ui::size_ui;
+use crate::app::rooms::path::ui::{length_ui, size_ui, still_ui};
 use crate::app::rooms::share::model::{
     DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
 };
@@ -84,6 +84,7 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
             let passes_time = keys.first().map(|key| key.frame) < keys.last().map(|key| key.frame);
             note(ui, if passes_time { PATH } else { NO_PATH });
         }
+        ShareWay::Film => still_ui(ui, state),
         _ => {}
     }
 }
@@ -140,6 +141,9 @@ fn film_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mu
         let drag = DragValue::new(&mut rate).range(1.0..=120.0).max_decimals(2).suffix(" a second");
         if ui.add(drag).accessible_name("Pictures a second").changed() {
             commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
+        }
+        if state.doc.path.pictures() > 0 {
+            length_ui(ui, state, commands);
         }
         let keys = counted(state.doc.path.keys.len(), "key");
         weak(ui, format!("{keys}, {}", counted(state.film_pictures(), "picture")));

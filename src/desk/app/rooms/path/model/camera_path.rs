@@ -14,6 +14,9 @@ use overlook_engine::render::film;
 pub(crate) const NO_KEYS: &str =
     "A camera path needs two keys at least; add them in the Camera path view (K).";
 
+/// The most pictures from one key to the next.
+pub(crate) const MOST_ON_A_LEG: usize = 2000;
+
 /// A place on the path.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SavedPathKey {
@@ -68,6 +71,34 @@ impl CameraPath {
             0 | 1 => 0,
             keys => (keys - 1) * self.pictures_per_leg + 1,
         }
+    }
+
+    /// Legs from key to key.
+    fn legs(&self) -> usize {
+        self.keys.len().saturating_sub(1)
+    }
+
+    /// Seconds of the whole path at so many pictures a second.
+    pub(crate) fn seconds(&self, rate: f64) -> f64 {
+        self.pictures() as f64 / rate
+    }
+
+    /// Makes the whole path as long as some seconds at so many pictures a second, or as near to it as whole pictures on every leg allow.
+    pub(crate) fn set_seconds(&mut self, seconds: f64, rate: f64) {
+        let legs = self.legs().max(1);
+        let pictures = (seconds * rate).round() - 1.0;
+        self.set_pictures_per_leg((pictures / legs as f64).round() as usize);
+    }
+
+    /// Sets how many pictures lie on each leg.
+    pub(crate) fn set_pictures_per_leg(&mut self, pictures: usize) {
+        self.pictures_per_leg = pictures.clamp(1, MOST_ON_A_LEG);
+    }
+
+    /// The frame at which all keys lie, if there is one and there are two keys or more: time stands still along the path.
+    pub(crate) fn only_frame(&self) -> Option<usize> {
+        let first = self.keys.first().filter(|_| self.keys.len() > 1)?.frame;
+        self.keys.iter().all(|key| key.frame == first).then_some(first)
     }
 
     /// The pose of the view at a picture, and its frame; `None` without keys.
@@ -193,47 +224,6 @@ fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
     }
 }
 
-/// What a camera path is exported as.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ExportTarget {
-    /// How many pictures a film shows a second; `None` for a folder.
-    pub film_rate: Option<f64>,
-    /// Whether a folder receives EXR of linear color and depth in place of PNG.
-    pub linear: bool,
-}
-
-/// What came of an export.
-pub(crate) struct Exported {
-    /// What was written, in words.
-    pub said: String,
-    /// Why the renderer of the settings did not paint.
-    pub notice: Option<String>,
-    /// What could not be read of a store so far, one line each.
-    pub damage: Vec<String>,
-}
-
-/// What concerns the camera path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum PathCommand {
-    AddKey,
-    RemoveKey(usize),
-    /// Set a key of the camera path to the current view.
-    ReplaceKey(usize),
-    GoToKey(usize),
-    /// Moves a key of the path to another frame, no farther than its neighbors.
-    MoveKey {
-        index: usize,
-        frame: usize,
-    },
-    /// Pictures from one key of the camera path to the next.
-    PicturesPerLeg(usize),
-    PictureSize([u32; 2]),
-    /// Play the camera path from its beginning, or stop.
-    Play(bool),
-    /// Take every key out of the camera path.
-    Clear,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -309,6 +299,28 @@ mod tests {
             assert_eq!(path.keys.get(index).map_or(0, |key| key.frame), reached, "key {index} to {frame}");
         }
         assert!(!path.is_saved());
+    }
+
+    #[test]
+    fn the_length_is_set_in_seconds_and_pictures_on_each_leg_follow() {
+        let mut path = path(&[DVec3::ZERO, DVec3::X, DVec3::Y]);
+        path.set_seconds(4.0, 24.0);
+        assert_eq!((path.pictures_per_leg, path.pictures()), (48, 97));
+        assert!((path.seconds(24.0) - 97.0 / 24.0).abs() < 1e-12);
+        path.set_seconds(0.0, 24.0);
+        assert_eq!(path.pictures_per_leg, 1);
+        path.set_seconds(1e9, 24.0);
+        assert_eq!(path.pictures_per_leg, MOST_ON_A_LEG);
+    }
+
+    #[test]
+    fn time_stands_still_where_all_keys_lie_at_one_frame() {
+        let mut path = path(&[DVec3::ZERO, DVec3::X]);
+        assert_eq!(path.only_frame(), None);
+        path.keys[1].frame = 0;
+        assert_eq!(path.only_frame(), Some(0));
+        path.keys.pop();
+        assert_eq!(path.only_frame(), None, "one key is no path");
     }
 
     #[test]

@@ -1,0 +1,44 @@
+//! What is asked of the camera path, and what is made of it.
+
+/// What a camera path is exported as.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ExportTarget {
+    /// How many pictures a film shows a second; `None` for a folder.
+    pub film_rate: Option<f64>,
+    /// Whether a folder receives EXR of linear color and depth in place of PNG.
+    pub linear: bool,
+}
+
+/// What came of an export.
+pub(crate) struct Exported {
+    /// What was written, in words.
+    pub said: String,
+    /// Why the renderer of the settings did not paint.
+    pub notice: Option<String>,
+    /// What could not be read of a store so far, one line each.
+    pub damage: Vec<String>,
+}
+
+/// What concerns the camera path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PathCommand {
+    AddKey,
+    RemoveKey(usize),
+    /// Set a key of the camera path to the current view.
+    ReplaceKey(usize),
+    GoToKey(usize),
+    /// Moves a key of the path to another frame, no farther than its neighbors.
+    MoveKey {
+        index: usize,
+        frame: usize,
+    },
+    /// Pictures from one key of the camera path to the next.
+    PicturesPerLeg(usize),
+    /// Seconds of the whole path.
+    Seconds(f64),
+    PictureSize([u32; 2]),
+    /// Play the camera path from its beginning, or stop.
+    Play(bool),
+    /// Take every key out of the camera path.
+    Clear,
+}
