@@ -9,7 +9,7 @@ use crate::app::rooms::charts::model::{ChartCommand, Study};
 use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
 use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::live::model::{ColorBy, ViewCommand};
-use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
 use crate::app::rooms::pixel::model::{PixelCommand, Spot};
 use crate::app::rooms::report::model::Table;
 use crate::app::tests::{ready, set_method, settle, start, step, wait};
@@ -148,6 +148,23 @@ fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
     app.dock.open(DockView::Path);
     app.apply(Command::Path(PathCommand::AddKey));
     assert!(app.notices().is_empty());
+}
+
+#[test]
+fn keys_of_the_path_have_the_pictures_of_their_views() {
+    let mut app = ready(2, 2);
+    let pictured = |app: &OverlookApp| -> Vec<bool> {
+        let view = |key: &SavedPathKey| app.state.address_of(&key.orbit, key.frame).unwrap();
+        let (doc, keys) = (&app.state.doc, &app.state.doc.path.keys);
+        keys.iter().map(|key| doc.view_pictures.of(&view(key)).is_some()).collect()
+    };
+    app.apply(Command::Path(PathCommand::AddKey));
+    assert_eq!(pictured(&app), [true], "it is shown already");
+    app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(0.3, 0.1))));
+    app.apply(Command::Path(PathCommand::AddKey));
+    assert_eq!(pictured(&app), [true, false]);
+    settle(&mut app);
+    assert_eq!(pictured(&app), [true, true]);
 }
 
 #[test]

@@ -71,14 +71,15 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     other.state.live.size = [48, 36];
     settle(&mut other);
     assert_eq!(held(&other), before);
+    let is_pictured = |app: &OverlookApp| -> Vec<bool> {
+        let doc = &app.state.doc;
+        doc.kept_views.iter().map(|kept| doc.view_pictures.of(&kept.view).is_some()).collect()
+    };
     let kept = &other.state.doc.kept_views;
-    assert!(kept.len() == 2 && kept.iter().all(|kept| kept.picture.is_none()));
+    assert!(kept.len() == 2 && is_pictured(&other) == [false, false]);
     let left = other.state.live.orbit.clone();
     other.apply(Command::View(ViewCommand::Kept(KeptViewCommand::GoTo(0))));
     settle(&mut other);
-    let is_pictured = |app: &OverlookApp| -> Vec<bool> {
-        app.state.doc.kept_views.iter().map(|kept| kept.picture.is_some()).collect()
-    };
     assert!(is_pictured(&other) == [true, false] && other.state.timeline.frame == 0);
     other.apply(Command::View(ViewCommand::Back));
     assert_eq!(other.state.live.orbit, left);

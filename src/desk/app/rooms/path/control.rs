@@ -61,6 +61,7 @@ impl OverlookApp {
         let keys = &mut self.state.doc.path.keys;
         keys.push(key);
         let added = format!("Key {} added", keys.len());
+        self.picture_view();
         if !self.visible_views().contains(&DockView::Path) {
             self.state.notify(NoticeKind::Done, added, "The Camera path view plays and exports the path.");
         }

@@ -5,6 +5,7 @@ use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_
 
 use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::live::ui::view_picture_ui;
 use crate::app::rooms::path::model::{MOST_ON_A_LEG, PathCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::widgets::{empty_ui, icon_button, note, weak};
@@ -161,7 +162,7 @@ const SHARE: &str = "A video or pictures along the path.";
 const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
 
 /// Width from which on there is room for the position of a key.
-const ROOMY: f32 = 390.0;
+const ROOMY: f32 = 465.0;
 
 fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let keys = &state.doc.path.keys;
@@ -172,6 +173,11 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 let number = index + 1;
                 let at = key.orbit.world_from_camera.translation;
                 let place = format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z);
+                let view = state.address_of(&key.orbit, key.frame);
+                let picture = view.and_then(|view| state.doc.view_pictures.of(&view));
+                if view_picture_ui(ui, picture, &format!("key {number}")) {
+                    commands.push(Command::Path(PathCommand::GoToKey(index)));
+                }
                 let help = format!("Go to this key, at {place}");
                 if ui.button(format!("Key {number}")).on_hover_text(help).clicked() {
                     commands.push(Command::Path(PathCommand::GoToKey(index)));

@@ -61,7 +61,7 @@ impl OverlookApp {
         self.state.doc.path = CameraPath::default();
         self.take_path_views(scene, &session.path);
         let kept = session.kept_views.iter().cloned();
-        self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view, picture: None }).collect();
+        self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view }).collect();
         self.state.doc.edits.saved = session.edits.clone();
         self.state.doc.edits.change(true, |list| *list = session.edits.clone());
         if let Some(view) = ViewAddress::read(session.view.trim_start_matches('#')) {
