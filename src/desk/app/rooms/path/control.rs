@@ -26,10 +26,7 @@ impl OverlookApp {
                 }
             }
             PathCommand::RemoveKey(index) => {
-                if index < path.keys.len() {
-                    path.keys.remove(index);
-                    path.playing = None;
-                }
+                path.remove_key(index);
             }
             PathCommand::ReplaceKey(index) => {
                 if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
@@ -42,10 +39,12 @@ impl OverlookApp {
             }
             PathCommand::Clear => {
                 path.keys.clear();
-                path.playing = None;
+                (path.selected, path.playing) = (None, None);
             }
+            PathCommand::ExchangeKey(index, with) => path.exchange_key(index, with),
             PathCommand::GoToKey(index) => {
                 if let Some(key) = path.keys.get(index).cloned() {
+                    path.selected = Some(index);
                     self.go_to_key(key);
                 }
             }
@@ -58,9 +57,7 @@ impl OverlookApp {
     }
 
     fn add_key(&mut self, key: SavedPathKey) {
-        let keys = &mut self.state.doc.path.keys;
-        keys.push(key);
-        let added = format!("Key {} added", keys.len());
+        let added = format!("Key {} added", self.state.doc.path.add_key(key) + 1);
         self.picture_view();
         if !self.visible_views().contains(&DockView::Path) {
             self.state.notify(NoticeKind::Done, added, "The Camera path view plays and exports the path.");
@@ -97,7 +94,7 @@ impl OverlookApp {
             views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)).collect();
         let count = keys.len();
         path.keys.extend(keys);
-        path.playing = None;
+        (path.selected, path.playing) = (None, None);
         if is_new {
             path.take_pace_of(views);
             path.saved = path.keys.clone();

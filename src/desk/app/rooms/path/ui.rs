@@ -1,12 +1,14 @@
 //! The camera path: keys, playing, and pictures of it.
 
-use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
-use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
+use egui::{Button, DragValue, Grid, RichText, ScrollArea, Ui};
+use egui_material_icons::icons::{
+    ICON_ARROW_DOWNWARD, ICON_ARROW_UPWARD, ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE,
+};
 
 use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::live::ui::view_picture_ui;
-use crate::app::rooms::path::model::{MOST_ON_A_LEG, PathCommand};
+use crate::app::rooms::path::model::{KeyNeighbor, MOST_ON_A_LEG, PathCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::widgets::{empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
@@ -78,7 +80,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
     let ready = path.pictures() > 0;
     match part {
         PathControls::Keys => {
-            if ui.button("Add key here (K)").clicked() {
+            if ui.button("Add key here (K)").on_hover_text(ADD).clicked() {
                 commands.push(Command::Path(PathCommand::AddKey));
             }
             let is_playing = path.playing.is_some();
@@ -149,7 +151,7 @@ fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
             ("Open camera path from path…", false, Command::File(FileCommand::TypePath(Purpose::LoadPath))),
             ("Remove all keys", true, Command::Path(PathCommand::Clear)),
         ] {
-            let button = ui.add_enabled(ready || !needs_path, egui::Button::new(name));
+            let button = ui.add_enabled(ready || !needs_path, Button::new(name));
             if button.on_hover_text(PATH_FILE).clicked() {
                 commands.push(command);
             }
@@ -157,15 +159,20 @@ fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
     });
 }
 
+const ADD: &str = "The view becomes a key behind the selected one.";
+
 const SHARE: &str = "A video or pictures along the path.";
 
 const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
 
+const MOVE: &str = "Move this view in the list. Frames stay in their order.";
+
 /// Width from which on there is room for the position of a key.
-const ROOMY: f32 = 465.0;
+const ROOMY: f32 = 530.0;
 
 fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let keys = &state.doc.path.keys;
+    let path = &state.doc.path;
+    let keys = &path.keys;
     let is_roomy = ui.available_width() > ROOMY;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
@@ -179,7 +186,8 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                     commands.push(Command::Path(PathCommand::GoToKey(index)));
                 }
                 let help = format!("Go to this key, at {place}");
-                if ui.button(format!("Key {number}")).on_hover_text(help).clicked() {
+                let button = Button::new(format!("Key {number}")).selected(path.selected == Some(index));
+                if ui.add(button).on_hover_text(help).clicked() {
                     commands.push(Command::Path(PathCommand::GoToKey(index)));
                 }
                 if is_roomy {
@@ -190,6 +198,17 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                     let here = format!("Set key {number} to the current view");
                     if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
                         commands.push(Command::Path(PathCommand::ReplaceKey(index)));
+                    }
+                    let last = keys.len() - 1;
+                    for (icon, to, with, can) in [
+                        (ICON_ARROW_UPWARD, "up", KeyNeighbor::Before, index > 0),
+                        (ICON_ARROW_DOWNWARD, "down", KeyNeighbor::Behind, index < last),
+                    ] {
+                        let name = format!("Move key {number} {to}");
+                        let move_ui = |ui: &mut Ui| icon_button(ui, icon, &name, MOVE).clicked();
+                        if ui.add_enabled_ui(can, move_ui).inner {
+                            commands.push(Command::Path(PathCommand::ExchangeKey(index, with)));
+                        }
                     }
                     let remove = format!("Remove key {number}");
                     if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {

@@ -3,6 +3,7 @@
 //! Between keys the camera moves by [`overlook_engine::render::film::pose_at`]. Every leg takes the same number of pictures, and time
 //! and lens change evenly from key to key.
 
+use super::command::KeyNeighbor;
 use crate::app::rooms::live::model::orbit_camera::OrbitCamera;
 use crate::app::rooms::settings::model::undo::Steps;
 use overlook_engine::capture::Intrinsics;
@@ -31,6 +32,8 @@ pub(crate) struct CameraPath {
     pub keys: Vec<SavedPathKey>,
     /// Pictures from one key to the next.
     pub pictures_per_leg: usize,
+    /// The key that was gone to or added last; the next one is added behind it, without one at the end.
+    pub selected: Option<usize>,
     /// Columns and rows of exported pictures, where they were chosen.
     pub size: Option<[u32; 2]>,
     /// The keys as they were saved or opened last.
@@ -56,6 +59,7 @@ impl Default for CameraPath {
         Self {
             keys: Vec::new(),
             pictures_per_leg: 48,
+            selected: None,
             size: None,
             saved: Vec::new(),
             playing: None,
@@ -131,6 +135,36 @@ impl CameraPath {
         self.playing = None;
     }
 
+    /// Adds a key behind the selected one, or at the end; it is then the selected one. Gives its index.
+    pub(crate) fn add_key(&mut self, key: SavedPathKey) -> usize {
+        let index = self.selected.map_or(self.keys.len(), |selected| (selected + 1).min(self.keys.len()));
+        self.keys.insert(index, key);
+        (self.selected, self.playing) = (Some(index), None);
+        index
+    }
+
+    /// Removes a key; the selected one is then none, or the same as before.
+    pub(crate) fn remove_key(&mut self, index: usize) {
+        if index < self.keys.len() {
+            self.keys.remove(index);
+            let selected = self.selected.filter(|selected| *selected != index);
+            self.selected = selected.map(|selected| selected - usize::from(selected > index));
+            self.playing = None;
+        }
+    }
+
+    /// Exchanges the view of a key with that of the key before it or behind it. Frames stay in their order, so that time does not turn.
+    pub(crate) fn exchange_key(&mut self, index: usize, with: KeyNeighbor) {
+        let other = match with {
+            KeyNeighbor::Before => index.checked_sub(1),
+            KeyNeighbor::Behind => index.checked_add(1),
+        };
+        let Some(other) = other.filter(|other| index.max(*other) < self.keys.len()) else { return };
+        let orbit = self.keys[index].orbit.clone();
+        self.keys[index].orbit = std::mem::replace(&mut self.keys[other].orbit, orbit);
+        (self.selected, self.playing) = (Some(other), None);
+    }
+
     /// Notes that the keys were `before`, if they changed; `moved` is the key that was moved.
     pub(crate) fn note_change(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
         let changes = &mut self.changes;
@@ -150,7 +184,8 @@ impl CameraPath {
         }
         let Some(keys) = changes.steps.step(undo, self.keys.clone()) else { return false };
         self.keys = keys;
-        (changes.moved, self.playing) = (None, None);
+        changes.moved = None;
+        (self.selected, self.playing) = (None, None);
         true
     }
 
@@ -299,6 +334,32 @@ mod tests {
             assert_eq!(path.keys.get(index).map_or(0, |key| key.frame), reached, "key {index} to {frame}");
         }
         assert!(!path.is_saved());
+    }
+
+    #[test]
+    fn keys_are_added_behind_the_selected_one_and_exchanged_while_frames_stay_in_order() {
+        let x = |path: &CameraPath| -> Vec<f64> {
+            path.keys.iter().map(|key| key.orbit.world_from_camera.translation.x).collect()
+        };
+        let frames = |path: &CameraPath| path.keys.iter().map(|key| key.frame).collect::<Vec<_>>();
+        let mut path = path(&[DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]);
+        let mut between = path.keys[0].clone();
+        between.orbit.world_from_camera.translation = 0.5 * DVec3::X;
+        between.frame = 5;
+        path.selected = Some(0);
+        assert_eq!(path.add_key(between), 1);
+        assert_eq!((x(&path), frames(&path)), (vec![0.0, 0.5, 1.0, 2.0], vec![0, 5, 10, 20]));
+        path.exchange_key(1, KeyNeighbor::Behind);
+        assert_eq!((x(&path), frames(&path)), (vec![0.0, 1.0, 0.5, 2.0], vec![0, 5, 10, 20]));
+        assert_eq!(path.selected, Some(2));
+        path.exchange_key(0, KeyNeighbor::Before);
+        path.exchange_key(3, KeyNeighbor::Behind);
+        path.exchange_key(9, KeyNeighbor::Before);
+        assert_eq!(x(&path), [0.0, 1.0, 0.5, 2.0], "there is nothing before the first, nor behind the last");
+        path.remove_key(0);
+        assert_eq!(path.selected, Some(1));
+        path.remove_key(1);
+        assert_eq!((path.selected, x(&path)), (None, vec![1.0, 2.0]));
     }
 
     #[test]

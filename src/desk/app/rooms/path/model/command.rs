@@ -19,14 +19,24 @@ pub(crate) struct Exported {
     pub damage: Vec<String>,
 }
 
+/// A neighbor of a key in the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum KeyNeighbor {
+    Before,
+    Behind,
+}
+
 /// What concerns the camera path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum PathCommand {
+    /// Adds the view as a key behind the selected one.
     AddKey,
     RemoveKey(usize),
     /// Set a key of the camera path to the current view.
     ReplaceKey(usize),
     GoToKey(usize),
+    /// Exchanges the view of a key with that of its neighbor.
+    ExchangeKey(usize, KeyNeighbor),
     /// Moves a key of the path to another frame, no farther than its neighbors.
     MoveKey {
         index: usize,
