@@ -8,6 +8,7 @@ use crate::app::rooms::live::model::{KeptViewCommand, ViewCommand};
 use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::tests::edits::{delete, open};
+use overlook_engine::capture::transforms::Easing;
 use overlook_engine::edits::Region;
 
 /// Everything that a session holds, of a window.
@@ -26,6 +27,7 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
             state.look.workspace,
             app.dock.to_json(),
         ),
+        (state.doc.path.easing, state.doc.path.looks_at),
         state.doc.kept_views.iter().map(|kept| (kept.name.clone(), kept.view.clone())).collect::<Vec<_>>(),
         state.doc.scene.as_ref().map(|scene| scene.origin.clone()),
     )
@@ -55,6 +57,8 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
         app.apply(Command::View(ViewCommand::Kept(KeptViewCommand::Keep)));
         app.apply(Command::Path(PathCommand::AddKey));
     }
+    app.apply(Command::Path(PathCommand::Ease(Easing::InOut)));
+    app.apply(Command::Path(PathCommand::LookAt(Some(glam::DVec3::new(0.5, 1.0, 0.25)))));
     app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
     app.apply(Command::Window(WindowCommand::Workspace(Workspace::Compare)));
     // The address of a view rounds it; who saved it and who opens it see the same.

@@ -38,6 +38,25 @@ fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
 }
 
 #[test]
+fn a_turn_replaces_the_keys_of_the_path_and_they_come_back() {
+    let mut app = ready(2, 4);
+    for angle in [0.1, 0.2] {
+        app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(angle, 0.0))));
+        app.apply(Command::Path(PathCommand::AddKey));
+    }
+    let before = app.state.doc.path.shape();
+    app.apply(Command::Path(PathCommand::TurnAround));
+    let path = &app.state.doc.path;
+    assert_eq!((path.keys.len(), path.is_closed), (12, true));
+    assert!(app.notices().iter().any(|told| told.contains("2 keys before")), "{:?}", app.notices());
+    app.apply(Command::Undo);
+    assert_eq!(app.state.doc.path.shape(), before);
+    app.apply(Command::Path(PathCommand::Close(true)));
+    app.apply(Command::Undo);
+    assert_eq!(app.state.doc.path.shape(), before);
+}
+
+#[test]
 fn a_view_that_was_left_by_a_jump_is_gone_back_to_and_left_again() {
     let mut app = ready(3, 1);
     let view = |app: &OverlookApp| app.state.live.orbit.clone().unwrap();

@@ -30,7 +30,8 @@ impl OverlookApp {
         let SceneSource::Path(opens) = &scene.origin else { return None };
         let path = &state.doc.path;
         let path = if path.pictures() > 0 {
-            path.views(state.export_size(), &scene.frame_numbers)
+            // Keys as they are: what the camera looks at instead is said beside them.
+            CameraPath { looks_at: None, ..path.clone() }.views(state.export_size(), &scene.frame_numbers)
         } else {
             Vec::new()
         };
@@ -39,6 +40,8 @@ impl OverlookApp {
             settings: state.settings.clone(),
             edits: state.doc.edits.list.clone(),
             path,
+            path_easing: state.doc.path.easing,
+            path_looks_at: state.doc.path.looks_at,
             up_in_world: state.up_in_world(),
             view: self.view_address()?.to_string(),
             layout: self.dock.to_json(),
@@ -59,7 +62,8 @@ impl OverlookApp {
         let up = session.up_in_world;
         self.state.live.up = (up != scene.up_in_world).then_some(up);
         self.state.doc.path = CameraPath::default();
-        self.take_path_views(scene, &session.path);
+        self.take_path_views(scene, &session.path, session.path_easing);
+        self.state.doc.path.looks_at = session.path_looks_at;
         let kept = session.kept_views.iter().cloned();
         self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view }).collect();
         self.state.doc.edits.saved = session.edits.clone();

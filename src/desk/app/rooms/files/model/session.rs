@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use overlook_engine::capture::transforms::{PathView, path_from_json, path_to_json};
+use overlook_engine::capture::transforms::{Easing, PathView, path_from_json, path_to_json};
 use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::settings::{Field, Settings};
@@ -29,6 +29,9 @@ pub(crate) struct Session {
     pub edits: EditList,
     /// The views of the camera path, with keys marked; empty without one.
     pub path: Vec<PathView>,
+    /// How its camera sets off and arrives, and the point in world space that it looks at.
+    pub path_easing: Easing,
+    pub path_looks_at: Option<DVec3>,
     /// Up in the world: as chosen, or as the capture has it.
     pub up_in_world: DVec3,
     /// The address of the view, as `#view=…&frame=…`.
@@ -55,6 +58,10 @@ struct SessionForm {
     edits: String,
     #[serde(default)]
     path: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    path_easing: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    path_looks_at: Option<[f64; 3]>,
     #[serde(default)]
     layout: String,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -81,8 +88,11 @@ impl Session {
     /// `Invalid` where the camera path cannot be written.
     pub(crate) fn to_text(&self, place: &Path) -> Result<String> {
         let folder = place.parent().unwrap_or(Path::new(""));
-        let path =
-            if self.path.is_empty() { String::new() } else { path_to_json(self.up_in_world, &self.path)? };
+        let path = if self.path.is_empty() {
+            String::new()
+        } else {
+            path_to_json(self.up_in_world, &self.path, self.path_easing)?
+        };
         let form = SessionForm {
             version: VERSION,
             opens: self.opens.strip_prefix(folder).unwrap_or(&self.opens).to_path_buf(),
@@ -91,6 +101,11 @@ impl Session {
             settings: self.settings.to_toml(),
             edits: if self.edits.edits.is_empty() { String::new() } else { self.edits.to_toml() },
             path,
+            path_easing: match self.path_easing {
+                Easing::Linear => String::new(),
+                easing => easing.to_string(),
+            },
+            path_looks_at: self.path_looks_at.map(|point| point.to_array()),
             layout: self.layout.clone(),
             kept_view: (self.kept_views.iter())
                 .map(|(name, view)| KeptViewForm { name: name.clone(), view: view.to_string() })
@@ -132,6 +147,10 @@ impl Session {
         };
         let path =
             if form.path.is_empty() { Vec::new() } else { path_from_json(form.path.as_bytes(), place)? };
+        let path_easing = match form.path_easing.as_str() {
+            "" => Easing::Linear,
+            easing => easing.parse().map_err(|what| invalid(format!("path_easing {what}")))?,
+        };
         let up = DVec3::from(form.up).try_normalize();
         let up = up.ok_or_else(|| {
             invalid("\"up\" is no direction; write it as three numbers, as in [0, 0, 1]".to_owned())
@@ -148,6 +167,8 @@ impl Session {
             settings: Settings::from_toml(&form.settings, &name)?,
             edits,
             path,
+            path_easing,
+            path_looks_at: form.path_looks_at.map(DVec3::from).filter(|point| point.is_finite()),
             up_in_world: up,
             view: form.view,
             layout: form.layout,
@@ -192,6 +213,8 @@ mod tests {
             settings,
             edits: EditList::default(),
             path: Vec::new(),
+            path_easing: Easing::InOut,
+            path_looks_at: Some(DVec3::new(1.0, 2.0, 3.5)),
             up_in_world: DVec3::Z,
             view: "#view=1,2&frame=3".to_owned(),
             layout: "{}".to_owned(),

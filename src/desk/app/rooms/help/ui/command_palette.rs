@@ -223,6 +223,7 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 49] {
         ("Forward to the next view", "Alt+Right", Command::View(ViewCommand::Forward)),
         ("Center view on selected pixel", "F", Command::View(ViewCommand::FramePoint)),
         ("Add key to the camera path", "K", Command::Path(PathCommand::AddKey)),
+        ("Camera path: turntable around the pivot", "", Command::Path(PathCommand::TurnAround)),
         ("Recompute the whole capture", "", Command::Recompute),
         ("Run a sweep", "", Command::Chart(ChartCommand::Ask(Some(Study::Sweep)))),
         ("Run a stress test", "", Command::Chart(ChartCommand::Ask(Some(Study::Stress)))),

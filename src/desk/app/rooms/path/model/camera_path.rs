@@ -1,13 +1,15 @@
 //! A camera path: keys taken from the live view, which plays it, and pictures or a film exported from it.
 //!
-//! Between keys the camera moves by [`overlook_engine::render::film::pose_at`]. Every leg takes the same number of pictures, and time
-//! and lens change evenly from key to key.
+//! Between keys the camera moves by [`overlook_engine::render::film::pose_at`]. Legs take the same number of pictures, or one of their
+//! own; lens and place change from key to key by [`Easing`] of the whole path, time evenly. A closed path leads back to its first key,
+//! while time goes on as fast as on the legs before on average: the film begins again where it ends.
 
 use super::command::KeyNeighbor;
 use crate::app::rooms::live::model::orbit_camera::OrbitCamera;
 use crate::app::rooms::settings::model::undo::Steps;
-use overlook_engine::capture::Intrinsics;
-use overlook_engine::capture::transforms::PathView;
+use glam::{DAffine3, DVec2, DVec3};
+use overlook_engine::capture::transforms::{Easing, PathView};
+use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::render::Vantage;
 use overlook_engine::render::film;
 
@@ -23,6 +25,30 @@ pub(crate) const MOST_ON_A_LEG: usize = 2000;
 pub(crate) struct SavedPathKey {
     pub orbit: OrbitCamera,
     pub frame: usize,
+    /// Pictures from here to the next key; `None` for those of the path.
+    pub pictures: Option<usize>,
+}
+
+/// What of a path can be taken back.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct PathShape {
+    pub keys: Vec<SavedPathKey>,
+    pub is_closed: bool,
+}
+
+/// A turn around the pivot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turntable {
+    pub keys: usize,
+    pub seconds: f64,
+    /// Whether the played frames pass meanwhile, or the one that is shown stays.
+    pub passes_time: bool,
+}
+
+impl Default for Turntable {
+    fn default() -> Self {
+        Self { keys: 12, seconds: 8.0, passes_time: false }
+    }
 }
 
 /// A camera path.
@@ -30,8 +56,16 @@ pub(crate) struct SavedPathKey {
 pub(crate) struct CameraPath {
     /// The keys, in order.
     pub keys: Vec<SavedPathKey>,
-    /// Pictures from one key to the next.
+    /// Pictures from one key to the next, where the key has none of its own.
     pub pictures_per_leg: usize,
+    /// Whether the camera goes back to the first key.
+    pub is_closed: bool,
+    /// How it sets off and arrives over the whole path.
+    pub easing: Easing,
+    /// The point in world space that it looks at all the way, wherever keys look.
+    pub looks_at: Option<DVec3>,
+    /// The turn that would be added.
+    pub turntable: Turntable,
     /// The key that was gone to or added last; the next one is added behind it, without one at the end.
     pub selected: Option<usize>,
     /// Columns and rows of exported pictures, where they were chosen.
@@ -47,7 +81,7 @@ pub(crate) struct CameraPath {
 /// Earlier keys of a path, and those that were taken back.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct KeyChanges {
-    steps: Steps<Vec<SavedPathKey>>,
+    steps: Steps<PathShape>,
     /// The key that was moved last, if nothing followed: while it is dragged, all its moves are one change.
     moved: Option<usize>,
     /// Whether nothing else that can be taken back was changed since.
@@ -59,6 +93,10 @@ impl Default for CameraPath {
         Self {
             keys: Vec::new(),
             pictures_per_leg: 48,
+            is_closed: false,
+            easing: Easing::Linear,
+            looks_at: None,
+            turntable: Turntable::default(),
             selected: None,
             size: None,
             saved: Vec::new(),
@@ -69,17 +107,43 @@ impl Default for CameraPath {
 }
 
 impl CameraPath {
-    /// Pictures of the whole path; 0 with fewer than two keys.
+    /// What of it can be taken back, as it is now.
+    pub(crate) fn shape(&self) -> PathShape {
+        PathShape { keys: self.keys.clone(), is_closed: self.is_closed }
+    }
+
+    /// Pictures of the whole path; 0 with fewer than two keys. The last one of a closed path is just before its first.
     pub(crate) fn pictures(&self) -> usize {
-        match self.keys.len() {
-            0 | 1 => 0,
-            keys => (keys - 1) * self.pictures_per_leg + 1,
+        match self.starts().last() {
+            Some(&last) if last > 0 => last + usize::from(!self.is_closed),
+            _ => 0,
         }
     }
 
-    /// Legs from key to key.
+    /// The picture at each key, and at the end of a closed path; empty without keys.
+    fn starts(&self) -> Vec<usize> {
+        let add = |at: &mut usize, leg| {
+            *at += self.pictures_of_leg(leg);
+            Some(*at)
+        };
+        let ends = (0..self.legs()).scan(0, add);
+        self.keys.first().map(|_| 0).into_iter().chain(ends).collect()
+    }
+
+    /// Legs from key to key, with the way back of a closed path.
     fn legs(&self) -> usize {
-        self.keys.len().saturating_sub(1)
+        let between = self.keys.len().saturating_sub(1);
+        between + usize::from(self.is_closed && between > 0)
+    }
+
+    /// Pictures from a key to the next.
+    pub(crate) fn pictures_of_leg(&self, leg: usize) -> usize {
+        self.keys.get(leg).and_then(|key| key.pictures).unwrap_or(self.pictures_per_leg)
+    }
+
+    /// Whether the camera goes on from a key.
+    pub(crate) fn has_leg(&self, leg: usize) -> bool {
+        leg < self.legs()
     }
 
     /// Seconds of the whole path at so many pictures a second.
@@ -87,16 +151,44 @@ impl CameraPath {
         self.pictures() as f64 / rate
     }
 
-    /// Makes the whole path as long as some seconds at so many pictures a second, or as near to it as whole pictures on every leg allow.
+    /// Makes the whole path as long as some seconds at so many pictures a second, or as near to it as whole pictures on every leg allow;
+    /// legs keep their shares of it.
     pub(crate) fn set_seconds(&mut self, seconds: f64, rate: f64) {
-        let legs = self.legs().max(1);
-        let pictures = (seconds * rate).round() - 1.0;
-        self.set_pictures_per_leg((pictures / legs as f64).round() as usize);
+        let Some(now) = self.starts().last().copied().filter(|now| *now > 0) else { return };
+        let wanted = (seconds * rate).round() - f64::from(u8::from(!self.is_closed));
+        let scaled = |pictures: usize| within_leg(pictures as f64 * wanted / now as f64);
+        self.pictures_per_leg = scaled(self.pictures_per_leg);
+        for key in &mut self.keys {
+            key.pictures = key.pictures.map(scaled);
+        }
     }
 
-    /// Sets how many pictures lie on each leg.
+    /// Sets how many pictures lie on each leg that has no number of its own.
     pub(crate) fn set_pictures_per_leg(&mut self, pictures: usize) {
         self.pictures_per_leg = pictures.clamp(1, MOST_ON_A_LEG);
+    }
+
+    /// Gives the way from a key to the next a length of its own, or that of the others.
+    pub(crate) fn set_leg(&mut self, leg: usize, pictures: Option<f64>) {
+        if let Some(key) = self.keys.get_mut(leg) {
+            key.pictures = pictures.map(within_leg);
+        }
+    }
+
+    /// Makes the path a turn around the pivot of a view, of which `played` are the first and the last frame.
+    pub(crate) fn turn_around(&mut self, view: &OrbitCamera, played: [usize; 2], rate: f64) {
+        let Turntable { keys, seconds, .. } = self.turntable;
+        let [first, last] = played.map(|frame| frame as f64);
+        let key = |nth: usize| {
+            let share = nth as f64 / keys as f64;
+            let mut orbit = view.clone();
+            orbit.orbit(DVec2::new(std::f64::consts::TAU * share, 0.0));
+            let frame = (first + (last - first) * share).round() as usize;
+            SavedPathKey { orbit, frame, pictures: None }
+        };
+        self.keys = (0..keys).map(key).collect();
+        (self.is_closed, self.selected, self.playing) = (true, None, None);
+        self.set_pictures_per_leg((seconds * rate / keys as f64).round() as usize);
     }
 
     /// The frame at which all keys lie, if there is one and there are two keys or more: time stands still along the path.
@@ -107,22 +199,59 @@ impl CameraPath {
 
     /// The pose of the view at a picture, and its frame; `None` without keys.
     pub(crate) fn at(&self, picture: f32) -> Option<SavedPathKey> {
-        let last = self.keys.len().checked_sub(1)?;
-        let time = f64::from(picture / self.pictures_per_leg as f32).clamp(0.0, last as f64);
-        let timed = self.keys.iter().enumerate().map(|(index, key)| film::PathKey {
-            time: index as f64,
-            world_from_camera: key.orbit.world_from_camera,
-        });
-        let world_from_camera = film::pose_at(&timed.collect::<Vec<_>>(), time)?;
-        let leg = (time as usize).min(last.saturating_sub(1));
-        let share = time - leg as f64;
-        let (from, to) = (&self.keys[leg], &self.keys[(leg + 1).min(last)]);
-        let between = |from: f64, to: f64| from + (to - from) * share;
+        let starts = self.starts();
+        let end = *starts.last()? as f64;
+        let time = f64::from(picture).clamp(0.0, end);
+        let eased = if end > 0.0 { end * self.easing.way(time / end) } else { time };
+        let ([from, to], share) = self.leg_at(&starts, eased);
         let mut orbit = from.orbit.clone();
-        orbit.world_from_camera = world_from_camera;
+        orbit.world_from_camera = film::pose_at(&self.timed_keys(&starts), eased)?;
         orbit.lens = lens_between([from.orbit.lens, to.orbit.lens], share);
-        orbit.pivot_distance = between(from.orbit.pivot_distance, to.orbit.pivot_distance);
-        Some(SavedPathKey { orbit, frame: between(from.frame as f64, to.frame as f64).round() as usize })
+        orbit.pivot_distance = between(from.orbit.pivot_distance, to.orbit.pivot_distance, share);
+        if let Some(target) = self.looks_at {
+            look_at(&mut orbit, target);
+        }
+        Some(SavedPathKey { orbit, frame: self.frame_at(&starts, time), pictures: None })
+    }
+
+    /// The keys before and behind a time in pictures, and its share of the way from one to the other.
+    fn leg_at(&self, starts: &[usize], time: f64) -> ([&SavedPathKey; 2], f64) {
+        let leg = starts.partition_point(|start| *start as f64 <= time).saturating_sub(1);
+        let leg = leg.min(self.legs().saturating_sub(1));
+        let [from, to] = [leg, leg + 1].map(|key| &self.keys[key % self.keys.len()]);
+        let length = starts.get(leg + 1).map_or(0, |end| end - starts[leg]);
+        let share = if length > 0 { (time - starts[leg] as f64) / length as f64 } else { 0.0 };
+        ([from, to], share)
+    }
+
+    fn frame_at(&self, starts: &[usize], time: f64) -> usize {
+        let ([from, to], share) = self.leg_at(starts, time);
+        let back = starts.get(self.keys.len() - 1).is_some_and(|last| time > *last as f64);
+        let from_frame = from.frame as f64;
+        let to_frame = if back {
+            let [first, last] = [&self.keys[0], &self.keys[self.keys.len() - 1]].map(|key| key.frame as f64);
+            (last + (last - first) / (self.keys.len() - 1) as f64).max(0.0)
+        } else {
+            to.frame as f64
+        };
+        between(from_frame, to_frame, share).round() as usize
+    }
+
+    /// The keys at their times in pictures. A closed path has those beyond its ends, too, so that it goes on there as elsewhere.
+    fn timed_keys(&self, starts: &[usize]) -> Vec<film::PathKey> {
+        let at = |time: f64, key: &SavedPathKey| film::PathKey {
+            time,
+            world_from_camera: key.orbit.world_from_camera,
+        };
+        let own = self.keys.iter().zip(starts).map(|(key, start)| at(*start as f64, key));
+        let mut timed: Vec<_> = own.collect();
+        if self.has_leg(self.keys.len() - 1) {
+            let (last, end) = (self.keys.len() - 1, starts[self.keys.len()] as f64);
+            timed.insert(0, at(-(self.pictures_of_leg(last) as f64), &self.keys[last]));
+            timed.push(at(end, &self.keys[0]));
+            timed.push(at(end + self.pictures_of_leg(0) as f64, &self.keys[1]));
+        }
+        timed
     }
 
     /// Moves a key to a frame. Keys that follow each other in time go on doing so: a neighbor stops it.
@@ -165,12 +294,12 @@ impl CameraPath {
         (self.selected, self.playing) = (Some(other), None);
     }
 
-    /// Notes that the keys were `before`, if they changed; `moved` is the key that was moved.
-    pub(crate) fn note_change(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
-        let changes = &mut self.changes;
-        if before == self.keys {
+    /// Notes that the path was `before`, if it changed; `moved` is the key that was moved.
+    pub(crate) fn note_change(&mut self, before: PathShape, moved: Option<usize>) {
+        if before == self.shape() {
             return;
         }
+        let changes = &mut self.changes;
         let goes_on = moved.is_some() && changes.moved == moved && changes.is_latest;
         changes.steps.record(before, !goes_on);
         (changes.moved, changes.is_latest) = (moved, true);
@@ -178,13 +307,14 @@ impl CameraPath {
 
     /// Takes the last change of the keys back, or does it again; false where there is none, or something else was changed since.
     pub(crate) fn step(&mut self, undo: bool) -> bool {
+        let now = self.shape();
         let changes = &mut self.changes;
         if !changes.is_latest {
             return false;
         }
-        let Some(keys) = changes.steps.step(undo, self.keys.clone()) else { return false };
-        self.keys = keys;
+        let Some(PathShape { keys, is_closed }) = changes.steps.step(undo, now) else { return false };
         changes.moved = None;
+        (self.keys, self.is_closed) = (keys, is_closed);
         (self.selected, self.playing) = (None, None);
         true
     }
@@ -194,24 +324,35 @@ impl CameraPath {
         self.keys.is_empty() || self.keys == self.saved
     }
 
-    /// Takes over how many pictures lie between keys, and their size, from the pictures of a path.
+    /// Takes over how many pictures lie between keys, and their size, from the pictures of a path whose keys these are. Pictures behind
+    /// the last key lead back to the first.
     pub(crate) fn take_pace_of(&mut self, views: &[PathView]) {
-        let mut keys = views.iter().enumerate().filter(|(_, view)| view.is_key).map(|(index, _)| index);
-        if let (Some(first), Some(second)) = (keys.next(), keys.next())
-            && second > first + 1
-        {
-            self.pictures_per_leg = second - first;
+        let mut ends: Vec<usize> = (0..views.len()).filter(|index| views[*index].is_key).collect();
+        self.is_closed = ends.len() > 1 && views.last().is_some_and(|view| !view.is_key);
+        if self.is_closed {
+            ends.push(views.len());
+        }
+        let legs = ends.windows(2).map(|ends| ends[1] - ends[0]);
+        // A list of another program has places and no pictures between them.
+        if legs.clone().any(|pictures| pictures > 1) {
+            self.pictures_per_leg = legs.clone().next().unwrap_or(self.pictures_per_leg);
+            for (key, pictures) in self.keys.iter_mut().zip(legs) {
+                key.pictures = (pictures != self.pictures_per_leg).then_some(pictures);
+            }
         }
         self.size = views.first().map(|view| [view.camera.intrinsics.width, view.camera.intrinsics.height]);
     }
 
-    /// The pictures of the path as a manifest holds them, of a scene whose frames have these numbers.
+    /// The pictures of the path as a manifest holds them, of a scene whose frames have these numbers. They go at an even pace; the
+    /// manifest says the easing.
     pub(crate) fn views(&self, size: [u32; 2], frame_numbers: &[i64]) -> Vec<PathView> {
-        let vantages = self.vantages(size, frame_numbers.len()).into_iter().enumerate();
+        let even = Self { easing: Easing::Linear, ..self.clone() };
+        let vantages = even.vantages(size, frame_numbers.len()).into_iter().enumerate();
+        let starts = self.starts();
         let view = |(index, Vantage { camera, frame }): (usize, Vantage)| PathView {
             camera,
             frame_number: frame_numbers.get(frame).copied().unwrap_or_default(),
-            is_key: index % self.pictures_per_leg == 0,
+            is_key: starts.binary_search(&index).is_ok(),
         };
         vantages.map(view).collect()
     }
@@ -236,6 +377,25 @@ impl CameraPath {
         let last = frames.saturating_sub(1);
         keys.map(|key| Vantage { camera: key.orbit.camera(width, height), frame: key.frame.min(last) })
             .collect()
+    }
+}
+
+/// A number of pictures on a leg, as it can be.
+fn within_leg(pictures: f64) -> usize {
+    (pictures.round() as usize).clamp(1, MOST_ON_A_LEG)
+}
+
+fn between(from: f64, to: f64, share: f64) -> f64 {
+    from + (to - from) * share
+}
+
+/// Turns a view to a point, with a level horizon; straight above and below the point it stays as it is.
+fn look_at(orbit: &mut OrbitCamera, target: DVec3) {
+    let DAffine3 { translation: eye, .. } = orbit.world_from_camera;
+    let (way, up) = (target - eye, orbit.up_in_world());
+    if way.cross(up).length() > 1e-9 * way.length() {
+        orbit.world_from_camera = Camera::look_at("", orbit.lens, eye, target, up).world_from_camera;
+        orbit.pivot_distance = way.length();
     }
 }
 
@@ -269,7 +429,7 @@ mod tests {
         let keys = positions.iter().enumerate().map(|(index, position)| {
             let mut orbit = OrbitCamera::for_tests();
             orbit.world_from_camera.translation = *position;
-            SavedPathKey { orbit, frame: index * 10 }
+            SavedPathKey { orbit, frame: index * 10, pictures: None }
         });
         CameraPath { keys: keys.collect(), pictures_per_leg: 8, ..CameraPath::default() }
     }
@@ -382,6 +542,77 @@ mod tests {
         assert_eq!(path.only_frame(), Some(0));
         path.keys.pop();
         assert_eq!(path.only_frame(), None, "one key is no path");
+    }
+
+    #[test]
+    fn a_turn_around_the_pivot_is_closed_keeps_its_distance_and_looks_at_it() {
+        let view = OrbitCamera::for_tests();
+        let pivot = view.world_from_camera.transform_point3(DVec3::Z * view.pivot_distance);
+        let mut path = CameraPath::default();
+        path.turntable = Turntable { keys: 12, seconds: 6.0, passes_time: true };
+        path.turn_around(&view, [0, 24], 24.0);
+        assert_eq!((path.keys.len(), path.pictures(), path.is_closed), (12, 144, true));
+        let radius = view.world_from_camera.translation.distance(pivot);
+        for picture in 0..144 {
+            let SavedPathKey { orbit, frame, .. } = path.at(picture as f32).unwrap();
+            let eye = orbit.world_from_camera.translation;
+            assert!((eye.distance(pivot) - radius).abs() < 0.005 * radius, "picture {picture}");
+            let ahead = orbit.world_from_camera.matrix3.z_axis;
+            assert!(ahead.dot((pivot - eye).normalize()) > 0.9999, "picture {picture}");
+            assert!(frame.abs_diff(picture / 6) <= 1, "picture {picture} at frame {frame}");
+        }
+        let [first, last] = [0.0, 143.0].map(|picture| path.at(picture).unwrap().orbit.world_from_camera);
+        let step = path.at(1.0).unwrap().orbit.world_from_camera.translation.distance(first.translation);
+        let seam = last.translation.distance(first.translation);
+        assert!((seam / step - 1.0).abs() < 0.02, "it goes on where it begins: {seam} beside {step}");
+    }
+
+    #[test]
+    fn a_leg_of_its_own_length_is_slow_motion_and_scales_with_the_whole() {
+        let mut path = path(&[DVec3::ZERO, DVec3::X, 2.0 * DVec3::X]);
+        path.set_leg(1, Some(24.0));
+        assert_eq!(path.pictures(), 33);
+        assert_eq!((path.at(8.0).unwrap().frame, path.at(20.0).unwrap().frame), (10, 15));
+        path.set_seconds(65.0, 1.0);
+        assert_eq!((path.pictures_per_leg, path.keys[1].pictures, path.pictures()), (16, Some(48), 65));
+        path.set_leg(1, None);
+        assert_eq!(path.pictures(), 33);
+    }
+
+    #[test]
+    fn easing_moves_the_camera_and_not_the_time_and_the_ends_stay() {
+        let mut path = path(&[DVec3::ZERO, DVec3::X]);
+        path.easing = Easing::InOut;
+        let x = |picture: f32| path.at(picture).unwrap().orbit.world_from_camera.translation.x;
+        assert!(x(0.0).abs() < 1e-12 && (x(8.0) - 1.0).abs() < 1e-12);
+        assert!((x(2.0) - Easing::InOut.way(0.25)).abs() < 1e-9);
+        assert_eq!(path.at(4.0).unwrap().frame, 5);
+    }
+
+    #[test]
+    fn the_camera_looks_at_one_point_all_the_way() {
+        let mut path = path(&[DVec3::new(-3.0, -4.0, 1.0), DVec3::new(3.0, -4.0, 2.0)]);
+        let target = DVec3::new(0.5, 1.0, 0.0);
+        path.looks_at = Some(target);
+        for picture in 0..path.pictures() {
+            let orbit = path.at(picture as f32).unwrap().orbit;
+            let seen = orbit.world_from_camera.inverse().transform_point3(target);
+            assert!(seen.truncate().length() < 1e-9 && (seen.z - orbit.pivot_distance).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_closed_path_with_legs_of_their_own_comes_back_from_its_pictures() {
+        let mut path = path(&[DVec3::ZERO, DVec3::X, DVec3::Y]);
+        path.is_closed = true;
+        path.set_leg(2, Some(5.0));
+        let views = path.views([64, 48], &(0..40).collect::<Vec<_>>());
+        assert_eq!(views.len(), path.pictures());
+        let mut again = path.clone();
+        again.keys.iter_mut().for_each(|key| key.pictures = None);
+        (again.is_closed, again.pictures_per_leg) = (false, 48);
+        again.take_pace_of(&views);
+        assert_eq!((again.shape(), again.pictures_per_leg), (path.shape(), 8));
     }
 
     #[test]

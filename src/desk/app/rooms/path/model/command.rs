@@ -1,5 +1,10 @@
 //! What is asked of the camera path, and what is made of it.
 
+use glam::DVec3;
+
+use super::camera_path::Turntable;
+use overlook_engine::capture::transforms::Easing;
+
 /// What a camera path is exported as.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ExportTarget {
@@ -46,6 +51,16 @@ pub(crate) enum PathCommand {
     PicturesPerLeg(usize),
     /// Seconds of the whole path.
     Seconds(f64),
+    /// Seconds from a key to the next; `None` for as many pictures as on the others.
+    LegSeconds(usize, Option<f64>),
+    /// Go back to the first key at the end, or do not.
+    Close(bool),
+    Ease(Easing),
+    /// Look at a point in world space all the way, or where keys look.
+    LookAt(Option<DVec3>),
+    TurntableOptions(Turntable),
+    /// Turn once around the pivot of the view, in place of the keys that are there.
+    TurnAround,
     PictureSize([u32; 2]),
     /// Play the camera path from its beginning, or stop.
     Play(bool),

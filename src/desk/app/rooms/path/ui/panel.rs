@@ -1,14 +1,13 @@
-//! The camera path: keys, playing, and pictures of it.
+//! The camera path: what is done with it, above its keys.
 
-use egui::{Button, DragValue, Grid, RichText, ScrollArea, Ui};
-use egui_material_icons::icons::{
-    ICON_ARROW_DOWNWARD, ICON_ARROW_UPWARD, ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE,
-};
+use egui::{Button, DragValue, Ui};
+use egui_material_icons::icons::{ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW};
 
+use super::keys::keys_ui;
+use super::way::{turntable_ui, way_ui};
 use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
-use crate::app::rooms::live::ui::view_picture_ui;
-use crate::app::rooms::path::model::{KeyNeighbor, MOST_ON_A_LEG, PathCommand};
+use crate::app::rooms::path::model::{MOST_ON_A_LEG, PathCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::widgets::{empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
@@ -38,6 +37,7 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if ui.button("Add key here (K)").clicked() {
                 commands.push(Command::Path(PathCommand::AddKey));
             }
+            turntable_ui(ui, state, commands);
             path_file_ui(ui, false, commands);
         });
         return;
@@ -58,6 +58,7 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         });
     }
+    way_ui(ui, state, commands);
     still_ui(ui, state);
     keys_ui(ui, state, commands);
 }
@@ -164,59 +165,3 @@ const ADD: &str = "The view becomes a key behind the selected one.";
 const SHARE: &str = "A video or pictures along the path.";
 
 const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
-
-const MOVE: &str = "Move this view in the list. Frames stay in their order.";
-
-/// Width from which on there is room for the position of a key.
-const ROOMY: f32 = 530.0;
-
-fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let path = &state.doc.path;
-    let keys = &path.keys;
-    let is_roomy = ui.available_width() > ROOMY;
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
-            for (index, key) in keys.iter().enumerate() {
-                let number = index + 1;
-                let at = key.orbit.world_from_camera.translation;
-                let place = format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z);
-                let view = state.address_of(&key.orbit, key.frame);
-                let picture = view.and_then(|view| state.doc.view_pictures.of(&view));
-                if view_picture_ui(ui, picture, &format!("key {number}")) {
-                    commands.push(Command::Path(PathCommand::GoToKey(index)));
-                }
-                let help = format!("Go to this key, at {place}");
-                let button = Button::new(format!("Key {number}")).selected(path.selected == Some(index));
-                if ui.add(button).on_hover_text(help).clicked() {
-                    commands.push(Command::Path(PathCommand::GoToKey(index)));
-                }
-                if is_roomy {
-                    ui.label(RichText::new(place).monospace());
-                }
-                weak(ui, format!("frame {}", key.frame + 1));
-                ui.horizontal(|ui| {
-                    let here = format!("Set key {number} to the current view");
-                    if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
-                        commands.push(Command::Path(PathCommand::ReplaceKey(index)));
-                    }
-                    let last = keys.len() - 1;
-                    for (icon, to, with, can) in [
-                        (ICON_ARROW_UPWARD, "up", KeyNeighbor::Before, index > 0),
-                        (ICON_ARROW_DOWNWARD, "down", KeyNeighbor::Behind, index < last),
-                    ] {
-                        let name = format!("Move key {number} {to}");
-                        let move_ui = |ui: &mut Ui| icon_button(ui, icon, &name, MOVE).clicked();
-                        if ui.add_enabled_ui(can, move_ui).inner {
-                            commands.push(Command::Path(PathCommand::ExchangeKey(index, with)));
-                        }
-                    }
-                    let remove = format!("Remove key {number}");
-                    if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
-                        commands.push(Command::Path(PathCommand::RemoveKey(index)));
-                    }
-                });
-                ui.end_row();
-            }
-        });
-    });
-}
