@@ -140,6 +140,13 @@ fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
 }
 
 #[test]
+fn sizes_are_offered_in_the_shape_of_the_largest_camera() {
+    let app = ready(2, 2);
+    assert_eq!(app.state.offered_sizes(), [[48, 36], [1280, 960], [1920, 1440], [3840, 2880]]);
+    assert_eq!(app.state.export_size(), [48, 36]);
+}
+
+#[test]
 fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
     let mut app = ready(2, 2);
     app.apply(Command::Path(PathCommand::AddKey));

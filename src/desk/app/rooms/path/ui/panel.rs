@@ -13,7 +13,8 @@ use crate::app::widgets::{empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
 
 /// Columns and rows of exported pictures.
-pub(crate) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
+pub(crate) fn size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let size = state.export_size();
     let mut chosen = size;
     let [width, height] = &mut chosen;
     for (name, separator, side) in [("Picture width", "×", width), ("Picture height", "", height)] {
@@ -21,10 +22,25 @@ pub(crate) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
         ui.add(drag).on_hover_text(SIZE).accessible_name(name);
         ui.label(separator);
     }
+    ui.menu_button("Sizes", |ui| {
+        let offered = state.offered_sizes();
+        for (nth, [width, height]) in offered.into_iter().enumerate() {
+            let name = if nth == 0 { "Largest camera: " } else { "" };
+            let button = ui.button(format!("{name}{width}×{height}"));
+            // Twice as fine as recorded is as fine as the live view gets.
+            let help = if width > 2 * offered[0][0] { FINER } else { SHAPE };
+            if button.on_hover_text(help).clicked() {
+                chosen = [width, height];
+            }
+        }
+    });
     if chosen != size {
         commands.push(Command::Path(PathCommand::PictureSize(chosen)));
     }
 }
+
+const SHAPE: &str = "In the shape of the largest camera's pictures.";
+const FINER: &str = "More than twice as fine as the capture, which shows no more of it.";
 
 const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
@@ -73,7 +89,7 @@ enum PathControls {
 }
 
 /// Widths from which on all controls fit into one row and into two.
-const ONE_ROW: f32 = 835.0;
+const ONE_ROW: f32 = 890.0;
 const TWO_ROWS: f32 = 480.0;
 
 fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
@@ -106,7 +122,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
         }
         PathControls::Size => {
             ui.label("Size");
-            size_ui(ui, state.export_size(), commands);
+            size_ui(ui, state, commands);
         }
         PathControls::File => {
             path_file_ui(ui, ready, commands);

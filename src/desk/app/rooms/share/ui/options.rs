@@ -169,7 +169,7 @@ fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
 
 fn picture_size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.label("Size");
-    ui.horizontal(|ui| size_ui(ui, state.export_size(), commands));
+    ui.horizontal(|ui| size_ui(ui, state, commands));
     ui.end_row();
 }
 
