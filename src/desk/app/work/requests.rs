@@ -10,7 +10,7 @@ use crate::app::rooms::charts::model::{Study, StudyChoice};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{CameraPath, ExportTarget};
-use crate::app::rooms::share::model::{ComparedFilm, FigureOptions};
+use crate::app::rooms::share::model::{ComparedFilm, FigureOptions, FilmLook};
 use crate::app::rooms::source::model::SourceKey;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::edits::EditList;
@@ -206,6 +206,8 @@ pub(crate) struct PathExport {
     pub vantages: Vec<Vantage>,
     /// The comparison that they show; `None` where they show the samples.
     pub compared: Option<ComparedFilm>,
+    /// How they look, where not plain.
+    pub look: Option<FilmLook>,
     pub settings: RenderSettings,
     pub display: Display,
     /// Columns and rows of the pictures.

@@ -185,7 +185,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 49] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
     [
         ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
         ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),

@@ -164,6 +164,10 @@ fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
         let place = if along { "along the camera path" } else { "over the played frames" };
         note(ui, format!("{left} and {right}, as chosen in Compare, {place}."));
         ui.end_row();
+    } else if let Some(look) = state.film_look() {
+        ui.label("");
+        note(ui, format!("As the live view shows them: {look}. EXR keeps linear color."));
+        ui.end_row();
     }
 }
 
