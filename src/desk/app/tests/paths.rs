@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use crate::app::control::OverlookApp;
 use crate::app::model::{Command, Message};
 use crate::app::rooms::charts::model::{ChartCommand, Study};
+use crate::app::rooms::colors::model::{Background, Display};
 use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
 use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::live::model::{ColorBy, ViewCommand};
@@ -297,6 +298,27 @@ fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let shown = app.state.shown_picture().unwrap();
     let rgb = shown.pixels.iter().map(|pixel| [pixel.r(), pixel.g(), pixel.b()]);
     assert!(saved.pixels().map(|pixel| pixel.0).eq(rgb));
+}
+
+#[test]
+fn a_picture_of_this_view_is_saved_in_a_chosen_size_with_alpha() {
+    let folder = tempfile::tempdir().unwrap();
+    let [png, exr] = ["view.png", "view.exr"].map(|name| folder.path().join(name));
+    let mut app = ready(2, 2);
+    app.state.share.options.picture_size = Some([96, 72]);
+    app.apply(Command::Display(Display { background: Background::Transparent, ..Display::default() }));
+    settle(&mut app);
+    for file in [&png, &exr] {
+        app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(file.clone()) });
+        wait(&mut app, "the picture", |app| app.notices().iter().any(|told| told.contains("96×72")));
+        app.state.notices.clear();
+        assert!(file.is_file());
+    }
+    let saved = image::open(&png).unwrap().into_rgba8();
+    assert_eq!(saved.dimensions(), (96, 72));
+    let alphas: Vec<u8> = saved.pixels().map(|pixel| pixel.0[3]).collect();
+    assert!(alphas.contains(&0) && alphas.contains(&255), "the sky is left out");
+    assert_eq!(app.state.shown_picture().unwrap().size, [48, 36], "the window shows what it did");
 }
 
 #[test]

@@ -178,6 +178,8 @@ pub(crate) enum Export {
     Page(PageOptions),
     /// Splats of a frame, or of all time where the format holds it.
     Splats { options: SplatOptions, frame: usize },
+    /// What the live view shows, in the size of the key's viewpoint.
+    View(Box<LiveKey>),
     /// A figure of a view.
     Figure(Box<FigureExport>),
     /// The same, for the clipboard; its path counts for nothing.

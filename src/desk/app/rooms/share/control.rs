@@ -89,6 +89,16 @@ impl OverlookApp {
         self.workers.export.submit(ExportRequest { path, source, what: Export::Figure(Box::new(figure)) });
     }
 
+    /// Writes what the live view shows in another size than on the screen; false where that cannot be.
+    pub(crate) fn export_view(&mut self, path: PathBuf, size: [u32; 2]) -> bool {
+        let key = self.state.live_key(size, self.state.dark);
+        let Some((key, samples)) = key.zip(self.state.samples_here().cloned()) else { return false };
+        // The key has its samples itself.
+        let (source, what) = (FilmSource::Memory(samples), Export::View(Box::new(key)));
+        self.workers.export.submit(ExportRequest { path, source, what });
+        true
+    }
+
     /// Copies the figure that the dialog would write of a view, with the options that were chosen last.
     fn copy_figure(&mut self) {
         let pointed = self.state.look.maximized.or_else(|| self.dock.pointed_at());

@@ -194,6 +194,11 @@ impl OverlookApp {
     }
 
     fn save_picture(&mut self, path: PathBuf) {
+        if let Some(size) = self.state.share.options.picture_size
+            && self.export_view(path.clone(), size)
+        {
+            return;
+        }
         let shown = self.state.doc.live_shown.as_ref();
         let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
         let picture = self.state.shown_picture().cloned();

@@ -107,6 +107,8 @@ pub(crate) struct ShareOptions {
     pub splats_are_bounded: bool,
     pub kilosplats: u64,
     pub pictures: SharedPictures,
+    /// Columns and rows of a picture of this view; `None` for those that are shown.
+    pub picture_size: Option<[u32; 2]>,
     /// How a video or pictures along the camera path show both sides of the comparison; `None` for the samples alone.
     pub compares: Option<FilmComparison>,
     /// Whether pictures are EXR with linear color and depth.
@@ -130,6 +132,7 @@ impl Default for ShareOptions {
             splats_are_bounded: false,
             kilosplats: 500,
             pictures: SharedPictures::default(),
+            picture_size: None,
             compares: None,
             linear: false,
             points_of_all_frames: false,

@@ -144,6 +144,12 @@ impl State {
         let is_compared = is_path && options.compares.is_some();
         let is_linear = options.linear && options.pictures != SharedPictures::ViewWithLegend && !is_compared;
         let whole = if is_linear { picture.exr_bytes } else { picture.png_bytes };
+        if let Some([width, height]) =
+            options.picture_size.filter(|_| options.pictures == SharedPictures::View)
+        {
+            let size = whole / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
+            return ShareSize::about(size, format!("a picture of {width}×{height}"));
+        }
         if !is_path {
             return ShareSize::about(whole, "as the live view shows it".to_owned());
         }

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, Grid, TextEdit, Ui};
 
-use crate::app::model::{Command, Commands, State};
+use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::path::ui::{length_ui, size_ui, still_ui};
 use crate::app::rooms::share::model::{
     DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
@@ -194,6 +194,43 @@ fn pictures_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands:
     }
     if is_path {
         picture_size_ui(ui, state, commands);
+    }
+    if options.pictures == SharedPictures::View {
+        view_size_ui(ui, state, options);
+    }
+}
+
+const VIEW_SIZE: &str =
+    "Columns and rows of the picture. What the view shows fits inside; it is rendered as finely.";
+
+/// Columns and rows of a picture of this view, or percent of what is shown.
+fn view_size_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
+    let shown = state.doc.live_shown.as_ref().map(|shown| shown.picture.size.map(|side| side as u32));
+    let shown = shown.unwrap_or(state.live.size);
+    let before = options.picture_size.unwrap_or(shown);
+    let mut size = before;
+    ui.label("Size");
+    ui.horizontal(|ui| {
+        let [width, height] = &mut size;
+        for (name, separator, side) in [("Columns", "×", width), ("Rows", "", height)] {
+            let drag = DragValue::new(side).range(SIDES).speed(2.0).update_while_editing(false);
+            ui.add(drag).on_hover_text(VIEW_SIZE).accessible_name(name);
+            ui.label(separator);
+        }
+        let mut percent = 100.0 * f64::from(before[0]) / f64::from(shown[0].max(1));
+        let drag = DragValue::new(&mut percent).range(1.0..=1600.0).max_decimals(0).suffix(" %");
+        let field = ui.add(drag.update_while_editing(false)).on_hover_text("Of what is shown.");
+        if field.accessible_name("Percent of what is shown").changed() {
+            let side = |side: u32| (f64::from(side) * percent / 100.0).round() as u32;
+            size = shown.map(|shown| side(shown).clamp(*SIDES.start(), *SIDES.end()));
+        }
+        if options.picture_size.is_some() && ui.button("As shown").clicked() {
+            size = shown;
+        }
+    });
+    ui.end_row();
+    if size != before {
+        options.picture_size = (size != shown).then_some(size);
     }
 }
 

@@ -5,6 +5,10 @@ use std::sync::Arc;
 
 use crate::app::model::{Message, bytes, count_of, significant};
 use crate::app::rooms::colors::work::developed;
+use crate::app::rooms::files::work::files::save_picture;
+use crate::app::rooms::live::model::{LiveKey, PixelSource};
+use crate::app::rooms::live::work::image as live_image;
+use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::path::model::{Exported, NO_KEYS};
 use crate::app::rooms::share::model::FigureOptions;
 use crate::app::rooms::share::work::{compared_film, figures, looked_film};
@@ -41,6 +45,11 @@ pub(crate) fn export(
         Export::Page(options) => write_page(path, source, options, job)?,
         Export::Splats { options, frame } => write_splats(path, source, options, *frame, job)?,
         Export::Figure(figure) => write_figure(path, figure, job)?,
+        Export::View(key) => {
+            let (said, used) = write_view(path, key, job)?;
+            notice = used;
+            said
+        }
         Export::CopyFigure(figure) => {
             let (figure, options) = drawn(figure, job)?;
             return Ok(Message::FigureDrawn {
@@ -104,6 +113,22 @@ fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String>
     let (figure, options) = drawn(figure, job)?;
     let written = figures::write(path, &figure)?;
     Ok(format!("a figure of {} mm, {}", significant(options.width_mm()), bytes(written)))
+}
+
+/// Writes what the live view shows, in the size of the key's viewpoint. Gives what was written, and why the renderer of the settings
+/// was not used.
+fn write_view(path: &Path, key: &LiveKey, job: &Job) -> Result<(String, Option<String>)> {
+    job.start("Rendering the picture", 0);
+    let painted = live_image::paint(&mut Renderer::new(), &mut CameraFilter::default(), key, job)?;
+    let PixelSource::InMemory { image, rendered } = &painted.pixels else {
+        return Err(Error::unsupported(
+            "picture",
+            "it stays on the graphics card; set render.backend to cpu",
+        ));
+    };
+    save_picture(path, image, rendered, &key.display)?;
+    let [width, height] = painted.size;
+    Ok((format!("a picture of {width}×{height}"), painted.notice))
 }
 
 /// A folder that goes when it is dropped.
