@@ -75,7 +75,7 @@ fn pictures_along_the_path_show_what_the_live_view_shows() {
         app.apply(Command::Path(PathCommand::AddKey));
     }
     assert_eq!(app.state.film_look(), None);
-    let mut written = |app: &mut OverlookApp, name: &str| {
+    let written = |app: &mut OverlookApp, name: &str| {
         let pictures = folder.path().join(name);
         app.state.notices.clear();
         app.take_path(Purpose::ExportPictures, pictures.clone());

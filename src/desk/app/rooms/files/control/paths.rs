@@ -39,6 +39,7 @@ impl OverlookApp {
             }
             FileCommand::TakeTypedPath => self.take_typed_path(),
             FileCommand::CloseTypedPath => self.state.typed_path = None,
+            FileCommand::CopyCommandLine => self.copy_command_line(),
             FileCommand::ForgetRecent => {
                 self.state.recent.clear();
                 self.state.recent_pictures.clear();

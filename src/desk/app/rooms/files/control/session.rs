@@ -7,7 +7,7 @@ use crate::address::ViewAddress;
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::dock::Dock;
 use crate::app::model::{OpenScene, SceneSource};
-use crate::app::rooms::files::model::Session;
+use crate::app::rooms::files::model::{Purpose, Session, SessionLook};
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::live::model::KeptView;
 use crate::app::rooms::path::model::CameraPath;
@@ -21,6 +21,26 @@ impl OverlookApp {
             Ok(text) => self.workers.file.submit(FileRequest::SaveText { path: place.to_path_buf(), text }),
             Err(error) => self.state.notify(NoticeKind::Error, "Session not saved", error.to_string()),
         }
+    }
+
+    /// Copies the command that prunes the same without a window.
+    pub(crate) fn copy_command_line(&mut self) {
+        if self.refuses(Purpose::SaveSession) {
+            return;
+        }
+        if !self.state.has_capture() {
+            let text = "A store is pruned already; open the capture that it was made from.";
+            return self.state.warn_of_scene("No command to copy", text);
+        }
+        let Some(session) = self.session() else { return };
+        self.ctx.copy_text(session.command_line());
+        let edits = "Save the edits as edits.toml first (Save > Save edits…), where the command is run.";
+        let text = if session.has_edits() {
+            edits
+        } else {
+            "Paste it into a terminal: it prunes the same into a store."
+        };
+        self.state.notify(NoticeKind::Done, "Command copied", text);
     }
 
     /// The session of a scene that has a path.
@@ -45,6 +65,7 @@ impl OverlookApp {
             up_in_world: state.up_in_world(),
             view: self.view_address()?.to_string(),
             layout: self.dock.to_json(),
+            look: Some(SessionLook::of(state, scene)),
             kept_views: (state.doc.kept_views.iter())
                 .map(|kept| (kept.name.clone(), kept.view.clone()))
                 .collect(),
@@ -59,6 +80,9 @@ impl OverlookApp {
         self.dock = Dock::from_json(&session.layout);
         self.state.look.workspace = self.dock.workspace();
         self.show_areas_that_fit();
+        if let Some(look) = &session.look {
+            look.put(&mut self.state, scene);
+        }
         let up = session.up_in_world;
         self.state.live.up = (up != scene.up_in_world).then_some(up);
         self.state.doc.path = CameraPath::default();

@@ -10,6 +10,7 @@ use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::settings::{Field, Settings};
 
+use super::session_look::SessionLook;
 use crate::address::ViewAddress;
 use crate::app::rooms::settings::model::setting_names::SettingPairs;
 use glam::DVec3;
@@ -38,6 +39,8 @@ pub(crate) struct Session {
     pub view: String,
     /// The arrangement of the views, as the window remembers it.
     pub layout: String,
+    /// How both views look; `None` in sessions that do not say it.
+    pub look: Option<SessionLook>,
     /// The views that are kept: name and address.
     pub kept_views: Vec<(String, ViewAddress)>,
 }
@@ -64,6 +67,8 @@ struct SessionForm {
     path_looks_at: Option<[f64; 3]>,
     #[serde(default)]
     layout: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    look: Option<SessionLook>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     kept_view: Vec<KeptViewForm>,
 }
@@ -99,7 +104,7 @@ impl Session {
             up: self.up_in_world.to_array(),
             view: self.view.clone(),
             settings: self.settings.to_toml(),
-            edits: if self.edits.edits.is_empty() { String::new() } else { self.edits.to_toml() },
+            edits: if self.has_edits() { self.edits.to_toml() } else { String::new() },
             path,
             path_easing: match self.path_easing {
                 Easing::Linear => String::new(),
@@ -107,17 +112,16 @@ impl Session {
             },
             path_looks_at: self.path_looks_at.map(|point| point.to_array()),
             layout: self.layout.clone(),
+            look: self.look.clone(),
             kept_view: (self.kept_views.iter())
                 .map(|(name, view)| KeptViewForm { name: name.clone(), view: view.to_string() })
                 .collect(),
         };
         let text = toml::to_string_pretty(&form)
             .map_err(|error| Error::invalid(place.display(), error.to_string()))?;
-        Ok(format!(
-            "# A session of Overlook: overlook open {}\n# {}\n{text}",
-            quoted(place),
-            self.command_line()
-        ))
+        let edits = if self.has_edits() { ", which Save > Save edits writes" } else { "" };
+        let line = self.command_line();
+        Ok(format!("# A session of Overlook: overlook open {}\n# {line}{edits}\n{text}", quoted(place)))
     }
 
     /// Reads a file's text.
@@ -138,6 +142,9 @@ impl Session {
                 form.version
             );
             return Err(invalid(what));
+        }
+        if form.look.as_ref().is_some_and(|look| !look.is_finite()) {
+            return Err(invalid("the look has a number that cannot be shown; write finite ones".to_owned()));
         }
         let folder = place.parent().unwrap_or(Path::new(""));
         let edits = if form.edits.is_empty() {
@@ -172,12 +179,18 @@ impl Session {
             up_in_world: up,
             view: form.view,
             layout: form.layout,
+            look: form.look,
             kept_views,
         })
     }
 
-    /// The command that prunes the same.
-    fn command_line(&self) -> String {
+    /// Whether pruning the same takes a list of edits.
+    pub(crate) fn has_edits(&self) -> bool {
+        !self.edits.edits.is_empty()
+    }
+
+    /// The command that prunes the same. Edits are in a file beside it.
+    pub(crate) fn command_line(&self) -> String {
         let defaults = Settings::default();
         let pairs = SettingPairs::new(&self.settings, &defaults);
         let mut line = format!("overlook preprocess {} --out scene.ovl", quoted(&self.opens));
@@ -187,8 +200,8 @@ impl Session {
             // A string takes all that is written.
             let _ = write!(line, " --set {path}={value}");
         }
-        if !self.edits.edits.is_empty() {
-            line += " --edits EDITS.toml, which Save > Save edits writes";
+        if self.has_edits() {
+            line += " --edits edits.toml";
         }
         line
     }
@@ -218,6 +231,7 @@ mod tests {
             up_in_world: DVec3::Z,
             view: "#view=1,2&frame=3".to_owned(),
             layout: "{}".to_owned(),
+            look: None,
             kept_views: vec![("the \"door\"".to_owned(), ViewAddress::read("camera=a&frame=3").unwrap())],
         }
     }

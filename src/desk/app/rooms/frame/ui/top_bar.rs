@@ -106,6 +106,7 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
             ("Copy picture", "", shown, Command::View(ViewCommand::CopyPicture)),
             ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
+            ("Copy as command line", "", opened, Command::File(FileCommand::CopyCommandLine)),
             ("Save session…", "", opened, Command::File(FileCommand::AskPath(Purpose::SaveSession))),
             ("Save settings…", "", true, Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
             ("Save settings to path…", "", true, Command::File(FileCommand::TypePath(Purpose::SaveSettings))),

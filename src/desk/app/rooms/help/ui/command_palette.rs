@@ -185,7 +185,7 @@ fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 51] {
     [
         ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
         ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
@@ -193,6 +193,7 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
         ("Save settings", "", Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
         ("Load settings", "", Command::File(FileCommand::AskPath(Purpose::LoadSettings))),
         ("Save edits", "", Command::File(FileCommand::AskPath(Purpose::SaveEdits))),
+        ("Copy as command line", "", Command::File(FileCommand::CopyCommandLine)),
         ("Save session", "", Command::File(FileCommand::AskPath(Purpose::SaveSession))),
         ("Open edits", "", Command::File(FileCommand::AskPath(Purpose::LoadEdits))),
         ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
