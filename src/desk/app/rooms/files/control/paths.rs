@@ -122,7 +122,9 @@ impl OverlookApp {
             }
             None => {
                 let entry = purpose.typed_entry();
-                let text = format!("Where no file dialog appears, \"{entry}\" takes a path that is typed.");
+                let palette = if entry.ends_with('…') { "" } else { " of the commands (Ctrl+P)" };
+                let text =
+                    format!("Where no file dialog appears, \"{entry}\"{palette} takes a path that is typed.");
                 self.state.notify(NoticeKind::Done, "No path was chosen", text);
             }
         }

@@ -123,19 +123,19 @@ impl Purpose {
         matches!(self, Self::ExportPictures | Self::ExportExr | Self::ExportPointsOfFrames)
     }
 
-    /// The entry that opens the field for typing the path.
+    /// What opens the field for typing the path: an entry of the command palette, or a button, whose name ends with dots.
     pub(crate) fn typed_entry(self) -> &'static str {
         match self {
-            Self::OpenFile | Self::OpenFolder => "Open path…",
-            Self::SaveSettings => "Save settings to path…",
-            Self::LoadSettings => "Load settings from path…",
+            Self::OpenFile | Self::OpenFolder => "Open path",
+            Self::SaveSettings => "Save settings to path",
+            Self::LoadSettings => "Load settings from path",
             Self::SaveTable(_) => "Save table…",
-            Self::SavePath => "Save camera path to path…",
-            Self::LoadPath => "Open camera path from path…",
-            Self::OpenPictures => "Open pictures from path…",
-            Self::SaveEdits => "Save edits to path…",
-            Self::LoadEdits => "Open edits from path…",
-            Self::SaveSession => "Save session…",
+            Self::SavePath => "Save camera path to path",
+            Self::LoadPath => "Open camera path from path",
+            Self::OpenPictures => "Open pictures from path",
+            Self::SaveEdits => "Save edits to path",
+            Self::LoadEdits => "Open edits from path",
+            Self::SaveSession => "Save session to path",
             Self::SaveStore
             | Self::SavePicture
             | Self::SaveShot

@@ -163,9 +163,7 @@ fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
     ui.menu_button("Path file…", |ui| {
         for (name, needs_path, command) in [
             ("Save camera path…", true, Command::File(FileCommand::AskPath(Purpose::SavePath))),
-            ("Save camera path to path…", true, Command::File(FileCommand::TypePath(Purpose::SavePath))),
             ("Open camera path…", false, Command::File(FileCommand::AskPath(Purpose::LoadPath))),
-            ("Open camera path from path…", false, Command::File(FileCommand::TypePath(Purpose::LoadPath))),
             ("Remove all keys", true, Command::Path(PathCommand::Clear)),
         ] {
             let button = ui.add_enabled(ready || !needs_path, Button::new(name));
