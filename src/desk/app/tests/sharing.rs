@@ -96,6 +96,23 @@ fn pictures_along_the_path_show_what_the_live_view_shows() {
 }
 
 #[test]
+fn cameras_are_written_as_other_programs_read_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("cameras.json");
+    let mut app = ready(3, 2);
+    app.take_path(Purpose::SaveCameras, file.clone());
+    wait(&mut app, "the file", |_| file.is_file());
+    let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
+    let cameras = &app.state.doc.scene.as_ref().unwrap().cameras;
+    assert_eq!(views.len(), 3);
+    for (view, camera) in views.iter().zip(cameras) {
+        assert_eq!(view.camera.intrinsics, camera.intrinsics);
+        let apart = view.camera.position_in_world() - camera.position_in_world();
+        assert!(apart.length() < 1e-9);
+    }
+}
+
+#[test]
 fn what_cannot_be_written_is_said_in_the_dialog_and_can_be_mended() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 2);

@@ -12,6 +12,7 @@ use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{CameraPath, ExportTarget};
 use crate::app::rooms::share::model::{ComparedFilm, FigureOptions, FilmLook};
 use crate::app::rooms::source::model::SourceKey;
+use overlook_engine::capture::Camera;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::edits::EditList;
 use overlook_engine::page::PageOptions;
@@ -112,6 +113,13 @@ pub(crate) enum FileRequest {
         size: [u32; 2],
         up_in_world: DVec3,
     },
+    /// Write poses and lenses of cameras as a manifest.
+    SaveCameras {
+        path: PathBuf,
+        cameras: Vec<Camera>,
+        frame_number: i64,
+        up_in_world: DVec3,
+    },
     LoadPath {
         path: PathBuf,
         scene: u64,
@@ -135,6 +143,7 @@ impl FileRequest {
             | Self::SaveText { path, .. }
             | Self::SavePicture { path, .. }
             | Self::SaveShot { path, .. }
+            | Self::SaveCameras { path, .. }
             | Self::SavePath { path, .. } => {
                 ("Saving stopped", format!("Nothing was written to {}.", path.display()))
             }

@@ -167,6 +167,7 @@ impl OverlookApp {
             }
             Purpose::SavePicture => self.save_picture(path),
             Purpose::SaveShot => self.save_shot(path),
+            Purpose::SaveCameras => self.save_cameras(path),
             Purpose::SavePath => self.save_path(path),
             Purpose::LoadPath => {
                 if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
@@ -212,6 +213,17 @@ impl OverlookApp {
             self.state.share.asked = None;
             self.notify_in_motion();
         }
+    }
+
+    /// Writes the cameras: as they were pruned, or as the capture has them.
+    fn save_cameras(&mut self, path: PathBuf) {
+        let state = &self.state;
+        let Some(scene) = &state.doc.scene else { return };
+        let cameras =
+            state.current_whole().map_or_else(|| scene.cameras.clone(), |whole| whole.cameras.clone());
+        let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
+        let up_in_world = state.up_in_world();
+        self.workers.file.submit(FileRequest::SaveCameras { path, cameras, frame_number, up_in_world });
     }
 
     /// Takes a picture of the window once it is drawn without the field that the path was typed into.
@@ -304,6 +316,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         Purpose::ExportFigure => {
             ("Nothing to export yet", no_scene().or_else(|| no_figure(state, state.share.options.figure_of)))
         }
+        Purpose::SaveCameras => ("Nothing to save yet", no_scene()),
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::SaveSession => {

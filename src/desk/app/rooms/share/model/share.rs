@@ -24,12 +24,13 @@ pub(crate) enum ShareWay {
     Pictures,
     Figure,
     Points,
+    Cameras,
     Store,
 }
 
 impl ShareWay {
     /// Every way in the order of the dialog: its name, and what it is for.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 7] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 8] = [
         (
             Self::Page,
             "Interactive page",
@@ -56,6 +57,11 @@ impl ShareWay {
             Self::Points,
             "Points",
             "A point cloud with normals, colors and radii as PLY, for programs that measure and mesh.",
+        ),
+        (
+            Self::Cameras,
+            "Cameras",
+            "Pose and lens of every camera as a transforms.json, for other programs and for viewpoints of overlook render --views.",
         ),
         (
             Self::Store,
@@ -158,6 +164,7 @@ impl ShareOptions {
             (ShareWay::Figure, _) => Purpose::ExportFigure,
             (ShareWay::Points, _) if self.points_of_all_frames => Purpose::ExportPointsOfFrames,
             (ShareWay::Points, _) => Purpose::ExportPoints,
+            (ShareWay::Cameras, _) => Purpose::SaveCameras,
             (ShareWay::Store, _) => Purpose::SaveStore,
         }
     }

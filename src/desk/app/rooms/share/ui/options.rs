@@ -69,6 +69,7 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
             *all = segments_ui(ui, "Points of", *all, POINTS).unwrap_or(*all);
             ui.end_row();
         }
+        ShareWay::Cameras => cameras_ui(ui, state),
         ShareWay::Store => store_ui(ui, state),
     });
     match options.way {
@@ -275,6 +276,14 @@ fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
     ui.label("Caption");
     let caption = TextEdit::multiline(&mut figure.caption).desired_width(f32::INFINITY).desired_rows(2);
     ui.add(caption).accessible_name("Caption of the figure");
+    ui.end_row();
+}
+
+fn cameras_ui(ui: &mut Ui, state: &State) {
+    ui.label("Holds");
+    let cameras = state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+    let poses = if state.current_whole().is_some() { "posed as pruned" } else { "posed as in the capture" };
+    ui.label(format!("{}, {poses}", counted(cameras, "camera")));
     ui.end_row();
 }
 
