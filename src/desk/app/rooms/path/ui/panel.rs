@@ -1,6 +1,6 @@
 //! The camera path: what is done with it, above its keys.
 
-use egui::{Button, DragValue, Ui};
+use egui::{Button, DragValue, ScrollArea, Ui};
 use egui_material_icons::icons::{ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW};
 
 use super::keys::keys_ui;
@@ -58,6 +58,16 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         });
         return;
     }
+    // Low panels show the keys below the controls.
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        controls_ui(ui, state, commands);
+        way_ui(ui, state, commands);
+        still_ui(ui, state);
+        keys_ui(ui, state, commands);
+    });
+}
+
+fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let rows: &[&[PathControls]] = match ui.available_width() {
         width if width > ONE_ROW => {
             &[&[PathControls::Keys, PathControls::Pace, PathControls::Size, PathControls::File]]
@@ -68,15 +78,12 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         _ => &[&[PathControls::Keys], &[PathControls::Pace], &[PathControls::Size], &[PathControls::File]],
     };
     for row in rows {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for part in *row {
                 part_ui(ui, state, *part, commands);
             }
         });
     }
-    way_ui(ui, state, commands);
-    still_ui(ui, state);
-    keys_ui(ui, state, commands);
 }
 
 /// Controls above the keys, in rows as wide as the panel.

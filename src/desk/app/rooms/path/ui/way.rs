@@ -16,6 +16,9 @@ const EASINGS: [(Easing, &str, &str); 4] = [
     (Easing::Out, "Ease out", "It arrives slowly."),
 ];
 
+/// Width from which on all fits into one row, points.
+const ONE_ROW: f32 = 640.0;
+
 /// Room for a pace, points.
 const PACE: f32 = 118.0;
 
@@ -25,19 +28,35 @@ const LOOK: &str = "The camera looks at the point of the pinned pixel all the wa
 const NO_PIN: &str = "Pin a pixel first: click on it.";
 
 pub(super) fn way_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let path = &state.doc.path;
-    ui.horizontal_wrapped(|ui| {
-        let mut is_closed = path.is_closed;
-        if ui.checkbox(&mut is_closed, "Loop").on_hover_text(LOOP).changed() {
-            commands.push(Command::Path(PathCommand::Close(is_closed)));
-        }
-        look_ui(ui, state, commands);
-        ui.label("Pace");
-        if let Some(easing) = choice_ui(ui, "Pace of the camera", path.easing, &EASINGS, PACE) {
-            commands.push(Command::Path(PathCommand::Ease(easing)));
-        }
+    if ui.available_width() > ONE_ROW {
+        ui.horizontal(|ui| {
+            loop_ui(ui, state, commands);
+            turntable_ui(ui, state, commands);
+            pace_ui(ui, state, commands);
+            look_ui(ui, state, commands);
+        });
+        return;
+    }
+    ui.horizontal(|ui| {
+        loop_ui(ui, state, commands);
         turntable_ui(ui, state, commands);
     });
+    ui.horizontal(|ui| pace_ui(ui, state, commands));
+    ui.horizontal_wrapped(|ui| look_ui(ui, state, commands));
+}
+
+fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let mut is_closed = state.doc.path.is_closed;
+    if ui.checkbox(&mut is_closed, "Loop").on_hover_text(LOOP).changed() {
+        commands.push(Command::Path(PathCommand::Close(is_closed)));
+    }
+}
+
+fn pace_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    ui.label("Pace");
+    if let Some(easing) = choice_ui(ui, "Pace of the camera", state.doc.path.easing, &EASINGS, PACE) {
+        commands.push(Command::Path(PathCommand::Ease(easing)));
+    }
 }
 
 /// Whether the camera looks at one point all the way.

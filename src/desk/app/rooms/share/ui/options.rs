@@ -143,13 +143,15 @@ fn film_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mu
         if ui.add(drag).accessible_name("Pictures a second").changed() {
             commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
         }
-        if state.doc.path.pictures() > 0 {
-            length_ui(ui, state, commands);
-        }
         let keys = counted(state.doc.path.keys.len(), "key");
         weak(ui, format!("{keys}, {}", counted(state.film_pictures(), "picture")));
     });
     ui.end_row();
+    if state.doc.path.pictures() > 0 {
+        ui.label("Length");
+        length_ui(ui, state, commands);
+        ui.end_row();
+    }
 }
 
 /// What a film shows: the samples, or both sides of the comparison.
