@@ -85,7 +85,11 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
             let passes_time = keys.first().map(|key| key.frame) < keys.last().map(|key| key.frame);
             note(ui, if passes_time { PATH } else { NO_PATH });
         }
-        ShareWay::Film => still_ui(ui, state),
+        ShareWay::Film => {
+            look_ui(ui, state, options);
+            still_ui(ui, state);
+        }
+        ShareWay::Pictures if options.pictures == SharedPictures::CameraPath => look_ui(ui, state, options),
         _ => {}
     }
 }
@@ -167,10 +171,15 @@ fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
         let place = if along { "along the camera path" } else { "over the played frames" };
         note(ui, format!("{left} and {right}, as chosen in Compare, {place}."));
         ui.end_row();
-    } else if let Some(look) = state.film_look() {
-        ui.label("");
-        note(ui, format!("As the live view shows them: {look}. EXR keeps linear color."));
-        ui.end_row();
+    }
+}
+
+/// Says that pictures along the camera path show what the live view shows, where that is not plain.
+fn look_ui(ui: &mut Ui, state: &State, options: &ShareOptions) {
+    if let (Some(look), None) = (state.film_look(), options.compares) {
+        let linear = options.way == ShareWay::Pictures && options.linear;
+        let but = if linear { " EXR keeps linear color." } else { "" };
+        note(ui, format!("Shown as in the live view: {look}.{but}"));
     }
 }
 

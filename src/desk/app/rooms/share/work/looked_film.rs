@@ -45,7 +45,7 @@ pub(crate) fn paint(
         let PixelSource::InMemory { image, rendered } = &painted.pixels else {
             return Err(Error::unsupported(
                 "film",
-                "its pictures stay on the graphics card; set render.backend to cpu",
+                "its pictures stay on the GPU; set render.backend to cpu",
             ));
         };
         if as_rendered {

@@ -121,10 +121,7 @@ fn write_view(path: &Path, key: &LiveKey, job: &Job) -> Result<(String, Option<S
     job.start("Rendering the picture", 0);
     let painted = live_image::paint(&mut Renderer::new(), &mut CameraFilter::default(), key, job)?;
     let PixelSource::InMemory { image, rendered } = &painted.pixels else {
-        return Err(Error::unsupported(
-            "picture",
-            "it stays on the graphics card; set render.backend to cpu",
-        ));
+        return Err(Error::unsupported("picture", "it stays on the GPU; set render.backend to cpu"));
     };
     save_picture(path, image, rendered, &key.display)?;
     let [width, height] = painted.size;
