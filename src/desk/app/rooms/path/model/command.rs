@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::camera_path::Turntable;
+use super::key::{KeyNeighbor, Turntable};
 use overlook_engine::capture::transforms::Easing;
 
 /// What a camera path is exported as.
@@ -22,13 +22,6 @@ pub(crate) struct Exported {
     pub notice: Option<String>,
     /// What could not be read of a store so far, one line each.
     pub damage: Vec<String>,
-}
-
-/// A neighbor of a key in the list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum KeyNeighbor {
-    Before,
-    Behind,
 }
 
 /// What concerns the camera path.
