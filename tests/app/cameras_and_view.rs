@@ -220,7 +220,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     settle(&mut window);
     open_view(&mut window, "Camera path");
     let there = position(&window);
-    type_path(&mut window, "Path file…", "Save camera path to path…", &file, "Save this path");
+    type_path(&mut window, "Save camera path to path", &file, "Save this path");
     wait(&mut window, "the file", |window| told(window, "Saved"));
     let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
     assert_eq!(views.len(), 49, "as render --views takes them");
@@ -229,7 +229,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     assert!(window.query_by_label("Key 1").is_none());
     window.key_press(Key::Home);
     settle(&mut window);
-    type_path(&mut window, "Path file…", "Open camera path from path…", &file, "Load this path");
+    type_path(&mut window, "Open camera path from path", &file, "Load this path");
     wait(&mut window, "the keys", |window| window.query_by_label("Key 2").is_some());
     while !window.state().observed().notices.is_empty() {
         window.key_press(Key::Escape);
@@ -240,7 +240,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     let apart: f64 = position(&window).iter().zip(there).map(|(a, b)| (a - b).abs()).sum();
     assert!(apart < 1e-9 && window.state().observed().frame == 1, "{apart}");
     std::fs::write(&file, "no path").unwrap();
-    type_path(&mut window, "Path file…", "Open camera path from path…", &file, "Load this path");
+    type_path(&mut window, "Open camera path from path", &file, "Load this path");
     wait(&mut window, "the message", |window| {
         window.state().observed().notices.iter().any(|notice| notice.contains("not a manifest"))
     });

@@ -241,10 +241,17 @@ pub(crate) fn choose(window: &mut Window, row: &str, choice: &str) {
     click(window, &format!("{row}: {choice}"));
 }
 
-/// Types a path into the path field that a menu entry opens, and takes it.
-pub(crate) fn type_path(window: &mut Window, menu: &str, entry: &str, path: &Path, take: &str) {
-    click(window, menu);
-    click(window, entry);
+/// Does what an entry of the command palette says.
+pub(crate) fn do_command(window: &mut Window, entry: &str) {
+    click(window, "Commands");
+    window.get_by_label("Command").type_text(entry);
+    window.run_steps(3);
+    click(window, &format!("Do: {entry}"));
+}
+
+/// Types a path into the path field that an entry of the command palette opens, and takes it.
+pub(crate) fn type_path(window: &mut Window, entry: &str, path: &Path, take: &str) {
+    do_command(window, entry);
     window.get_by_label("Path").replace_selected_text_accesskit("");
     window.run_steps(2);
     window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());
@@ -299,7 +306,7 @@ pub(crate) fn save_store(window: &mut Window, folder: &Path) -> PathBuf {
 
 /// Opens a store.
 pub(crate) fn open_store(window: &mut Window, path: &Path) {
-    type_path(window, "Open", "Open path…", path, "Open this path");
+    type_path(window, "Open path", path, "Open this path");
     // Its source frames are not there, and neither is their view.
     wait(window, "the store", |window| !window.state().observed().views_in_sight.contains(&"Source"));
     settle(window);

@@ -1,8 +1,8 @@
 //! Numbers and words beside the pictures: one whole in each panel, warnings that lead somewhere, fields that take what is typed.
 
 use super::driver::{
-    SIZE, Window, changed_capture, choose, click, measure, open, open_store, open_view, pick, save_store,
-    settle, shows, small_demo, wait,
+    SIZE, Window, changed_capture, choose, click, do_command, measure, open, open_store, open_view, pick,
+    save_store, settle, shows, small_demo, wait,
 };
 use egui::{Event, Key};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -80,8 +80,7 @@ fn a_typed_name_takes_the_place_of_the_one_that_is_proposed_and_enter_saves_it_w
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    click(&mut window, "Save");
-    click(&mut window, "Save settings to path…");
+    do_command(&mut window, "Save settings to path");
     window.run_steps(3);
     // No click and no selecting: the caret is in the field, and what it holds is selected.
     window.event(Event::Text(folder.path().join("mine").display().to_string()));

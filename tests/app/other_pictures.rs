@@ -6,8 +6,8 @@ use overlook_engine::color::srgb_from_linear;
 use overlook_engine::demo::{Demo, DemoSpec};
 
 use super::driver::{
-    SIZE, Window, choose, click, open, open_store, open_view, pick, save_store, settle, shows, small_demo,
-    type_path, wait,
+    SIZE, Window, choose, click, do_command, open, open_store, open_view, pick, save_store, settle, shows,
+    small_demo, type_path, wait,
 };
 use egui_kittest::kittest::Queryable;
 
@@ -34,7 +34,7 @@ fn write_pictures(folder: &Path, growth: f32) {
 
 /// Opens a folder of pictures by its path.
 fn open_pictures(window: &mut Window, folder: &Path) {
-    type_path(window, "Pictures of other programs", "Open pictures from path…", folder, "Load this path");
+    type_path(window, "Open pictures from path", folder, "Load this path");
     window.hover_at(egui::pos2(5.0, 5.0));
     settle(window);
 }
@@ -100,8 +100,7 @@ fn a_folder_without_pictures_of_the_viewpoints_and_a_store_say_so() {
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
     open_view(&mut window, "Compare");
-    click(&mut window, "Pictures of other programs");
-    click(&mut window, "Open pictures from path…");
+    do_command(&mut window, "Open pictures from path");
     let notices = window.state().observed().notices;
     assert!(notices.iter().any(|text| text.contains("Nothing to compare pictures with")), "{notices:?}");
 }

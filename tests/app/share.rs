@@ -9,7 +9,8 @@ use super::driver::{
     share_to, shows, small_capture, small_demo, told, wait, wait_for_shared,
 };
 
-const WAYS: [&str; 7] = ["Interactive page", "Splats", "Video", "Pictures", "Figure", "Points", "Store"];
+const WAYS: [&str; 8] =
+    ["Interactive page", "Splats", "Video", "Pictures", "Figure", "Points", "Cameras", "Store"];
 
 /// What stands in the list beside a way.
 fn size_of(window: &Window, way: &str) -> String {
@@ -30,9 +31,16 @@ fn all_ways_out_have_a_size_before_they_are_made_and_a_sentence_of_what_they_are
         let has_unit = ["B", "kB", "MB"].iter().any(|unit| size.contains(&format!(" {unit}")));
         assert!(size.starts_with("about ") && has_unit, "{way}: {size}");
     }
-    for (way, word) in
-        WAYS.into_iter().zip(["browser", "engines", "camera path", "view", "for print", "measure", "opens"])
-    {
+    for (way, word) in WAYS.into_iter().zip([
+        "browser",
+        "engines",
+        "camera path",
+        "view",
+        "for print",
+        "measure",
+        "lens",
+        "opens",
+    ]) {
         open_share(&mut window, way);
         assert!(shows(&window, word), "{way} does not say what it is for");
         assert!(window.query_by_label("To path…").is_some(), "{way} cannot be made");

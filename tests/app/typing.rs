@@ -1,8 +1,8 @@
 //! What is typed belongs to the field it is typed into, and what the window says of its settings is so.
 
 use super::driver::{
-    SIZE, Window, click, copied, drop_on, open, open_store, open_view, pick, save_store, settle, shows,
-    small_demo, wait,
+    SIZE, Window, click, copied, do_command, drop_on, open, open_store, open_view, pick, save_store, settle,
+    shows, small_demo, wait,
 };
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -45,8 +45,7 @@ fn escape_leaves_a_number_as_it_was_and_nothing_else() {
 fn a_field_for_a_path_says_in_which_folder_a_name_lies_and_goes_by_cancel() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    click(&mut window, "Save");
-    click(&mut window, "Save settings to path…");
+    do_command(&mut window, "Save settings to path");
     let folder = std::env::current_dir().unwrap();
     let folder = format!("In {}", folder.display());
     assert!(shows(&window, &folder));

@@ -264,7 +264,7 @@ fn a_broken_file_gives_a_readable_message_and_the_window_stays_up() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     for (count, path) in [&truncated, &nonsense, &folder.path().join("missing.ovl")].into_iter().enumerate() {
-        type_path(&mut window, "Open", "Open path…", path, "Open this path");
+        type_path(&mut window, "Open path", path, "Open this path");
         wait(&mut window, "the message", |window| window.state().observed().notices.len() > count);
         let message = window.state().observed().notices.pop().unwrap();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();

@@ -56,7 +56,7 @@ impl OverlookApp {
             Message::FigureDrawn { image, width_mm } => self.figure_drawn(image, width_mm),
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
-            Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),
+            Message::PathLoaded { path, file, .. } => self.path_loaded(&path, &file),
             Message::PicturesOpened { folder, .. } => self.pictures_opened(folder),
             Message::Edited { key, edited } => self.edited(*key, edited),
             Message::EditsSaved { path, list } => self.edits_saved(&path, list),

@@ -13,7 +13,7 @@ use crate::app::rooms::colors::model::value_look::FrameValues;
 use crate::app::rooms::compare::model::comparison::ShownComparison;
 use crate::app::rooms::edits::model::edits::SceneEdits;
 use crate::app::rooms::files::model::picture_folder::PictureFolder;
-use crate::app::rooms::live::model::kept_views::KeptView;
+use crate::app::rooms::live::model::kept_views::{KeptView, ViewPictures};
 use crate::app::rooms::live::model::picture::{LiveKey, LivePicture, ShownCarried};
 use crate::app::rooms::live::model::view_history::ViewHistory;
 use crate::app::rooms::path::model::CameraPath;
@@ -79,6 +79,8 @@ pub(crate) struct Document {
     pub views: ViewHistory,
     /// Views that are kept.
     pub kept_views: Vec<KeptView>,
+    /// Small pictures of views.
+    pub view_pictures: ViewPictures,
     /// The settings of the store that was saved last of the open capture, at first those that it was opened with.
     pub saved: Option<Settings>,
     /// The reported parts of the open store that could not be read.

@@ -19,7 +19,7 @@ use crate::app::rooms::settings::model::histogram::ThresholdHistogram;
 use crate::app::rooms::share::model::share::{ShareFacts, SharePreview, SharePreviewKey};
 use crate::app::rooms::source::model::picture::{SourceKey, SourcePicture};
 use overlook_engine::capture::conventions::Finding;
-use overlook_engine::capture::transforms::PathView;
+use overlook_engine::capture::transforms::PathFile;
 use overlook_engine::edits::EditList;
 use overlook_engine::error::Error;
 use overlook_engine::preprocess::{PreparedScan, Preprocessed};
@@ -150,7 +150,7 @@ pub(crate) enum Message {
     PathLoaded {
         scene: u64,
         path: PathBuf,
-        views: Vec<PathView>,
+        file: PathFile,
     },
     /// Pictures of another program are open.
     PicturesOpened {

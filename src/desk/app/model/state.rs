@@ -260,11 +260,24 @@ impl State {
 
     /// Columns and rows of exported pictures: as chosen, else those of the largest camera; even, as films want them.
     pub(crate) fn export_size(&self) -> [u32; 2] {
+        even(self.doc.path.size.unwrap_or_else(|| self.largest_size()))
+    }
+
+    /// Columns and rows of the largest camera's pictures.
+    fn largest_size(&self) -> [u32; 2] {
         let cameras = self.doc.scene.iter().flat_map(|scene| &scene.cameras);
         let sizes = cameras.map(|camera| [camera.intrinsics.width, camera.intrinsics.height]);
-        let largest = sizes.max_by_key(|[width, height]| u64::from(*width) * u64::from(*height));
-        let size = self.doc.path.size.or(largest).unwrap_or(FIRST_SIZE);
-        size.map(|side| (side & !1).clamp(*SIDES.start(), *SIDES.end()))
+        sizes.max_by_key(|[width, height]| u64::from(*width) * u64::from(*height)).unwrap_or(FIRST_SIZE)
+    }
+
+    /// Sizes that are offered for exported pictures: that of the largest camera, and usual widths in its shape.
+    pub(crate) fn offered_sizes(&self) -> [[u32; 2]; 4] {
+        let [width, height] = self.largest_size();
+        let wide = |columns: u32| {
+            let rows = f64::from(columns) * f64::from(height) / f64::from(width.max(1));
+            even([columns, rows.round() as u32])
+        };
+        [even([width, height]), wide(1280), wide(1920), wide(3840)]
     }
 
     /// Columns and rows of the live view's picture in a figure.
@@ -303,6 +316,11 @@ impl State {
             || self.doc.charts.question.is_some()
             || inspector.help.is_some_and(|page| page != HelpPage::Guide)
     }
+}
+
+/// A size that films can have.
+fn even(size: [u32; 2]) -> [u32; 2] {
+    size.map(|side| (side & !1).clamp(*SIDES.start(), *SIDES.end()))
 }
 
 impl Default for State {

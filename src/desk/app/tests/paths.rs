@@ -6,10 +6,11 @@ use std::time::{Duration, Instant};
 use crate::app::control::OverlookApp;
 use crate::app::model::{Command, Message};
 use crate::app::rooms::charts::model::{ChartCommand, Study};
+use crate::app::rooms::colors::model::{Background, Display};
 use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
 use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::live::model::{ColorBy, ViewCommand};
-use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
 use crate::app::rooms::pixel::model::{PixelCommand, Spot};
 use crate::app::rooms::report::model::Table;
 use crate::app::tests::{ready, set_method, settle, start, step, wait};
@@ -140,6 +141,13 @@ fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
 }
 
 #[test]
+fn sizes_are_offered_in_the_shape_of_the_largest_camera() {
+    let app = ready(2, 2);
+    assert_eq!(app.state.offered_sizes(), [[48, 36], [1280, 960], [1920, 1440], [3840, 2880]]);
+    assert_eq!(app.state.export_size(), [48, 36]);
+}
+
+#[test]
 fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
     let mut app = ready(2, 2);
     app.apply(Command::Path(PathCommand::AddKey));
@@ -148,6 +156,23 @@ fn a_key_of_a_camera_path_that_nobody_sees_is_told() {
     app.dock.open(DockView::Path);
     app.apply(Command::Path(PathCommand::AddKey));
     assert!(app.notices().is_empty());
+}
+
+#[test]
+fn keys_of_the_path_have_the_pictures_of_their_views() {
+    let mut app = ready(2, 2);
+    let pictured = |app: &OverlookApp| -> Vec<bool> {
+        let view = |key: &SavedPathKey| app.state.address_of(&key.orbit, key.frame).unwrap();
+        let (doc, keys) = (&app.state.doc, &app.state.doc.path.keys);
+        keys.iter().map(|key| doc.view_pictures.of(&view(key)).is_some()).collect()
+    };
+    app.apply(Command::Path(PathCommand::AddKey));
+    assert_eq!(pictured(&app), [true], "it is shown already");
+    app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(0.3, 0.1))));
+    app.apply(Command::Path(PathCommand::AddKey));
+    assert_eq!(pictured(&app), [true, false]);
+    settle(&mut app);
+    assert_eq!(pictured(&app), [true, true]);
 }
 
 #[test]
@@ -273,6 +298,27 @@ fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let shown = app.state.shown_picture().unwrap();
     let rgb = shown.pixels.iter().map(|pixel| [pixel.r(), pixel.g(), pixel.b()]);
     assert!(saved.pixels().map(|pixel| pixel.0).eq(rgb));
+}
+
+#[test]
+fn a_picture_of_this_view_is_saved_in_a_chosen_size_with_alpha() {
+    let folder = tempfile::tempdir().unwrap();
+    let [png, exr] = ["view.png", "view.exr"].map(|name| folder.path().join(name));
+    let mut app = ready(2, 2);
+    app.state.share.options.picture_size = Some([96, 72]);
+    app.apply(Command::Display(Display { background: Background::Transparent, ..Display::default() }));
+    settle(&mut app);
+    for file in [&png, &exr] {
+        app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(file.clone()) });
+        wait(&mut app, "the picture", |app| app.notices().iter().any(|told| told.contains("96×72")));
+        app.state.notices.clear();
+        assert!(file.is_file());
+    }
+    let saved = image::open(&png).unwrap().into_rgba8();
+    assert_eq!(saved.dimensions(), (96, 72));
+    let alphas: Vec<u8> = saved.pixels().map(|pixel| pixel.0[3]).collect();
+    assert!(alphas.contains(&0) && alphas.contains(&255), "the sky is left out");
+    assert_eq!(app.state.shown_picture().unwrap().size, [48, 36], "the window shows what it did");
 }
 
 #[test]

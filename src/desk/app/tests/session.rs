@@ -2,12 +2,16 @@
 
 use super::*;
 use crate::app::model::SceneSource;
+use crate::app::rooms::colors::model::{Background, Display};
+use crate::app::rooms::compare::model::{CompareMode, CompareVantage};
 use crate::app::rooms::files::model::{FileCommand, Opening};
 use crate::app::rooms::frame::model::{WindowCommand, Workspace};
-use crate::app::rooms::live::model::{KeptViewCommand, ViewCommand};
+use crate::app::rooms::live::model::{ColorBy, HoleDisplay, KeptViewCommand, ViewCommand};
 use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
+use crate::app::rooms::source::model::{Overlay, SourceCommand};
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::tests::edits::{delete, open};
+use overlook_engine::capture::transforms::Easing;
 use overlook_engine::edits::Region;
 
 /// Everything that a session holds, of a window.
@@ -25,6 +29,12 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
             state.timeline.frame,
             state.look.workspace,
             app.dock.to_json(),
+        ),
+        (state.doc.path.easing, state.doc.path.looks_at),
+        (
+            (state.source.overlay, state.source.camera, state.live.color_by, state.live.holes, state.display),
+            (state.live.cameras.clone(), state.timeline.markers.clone(), state.timeline.range),
+            (state.inspector.compare.choice, state.inspector.compare.mode),
         ),
         state.doc.kept_views.iter().map(|kept| (kept.name.clone(), kept.view.clone())).collect::<Vec<_>>(),
         state.doc.scene.as_ref().map(|scene| scene.origin.clone()),
@@ -55,8 +65,22 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
         app.apply(Command::View(ViewCommand::Kept(KeptViewCommand::Keep)));
         app.apply(Command::Path(PathCommand::AddKey));
     }
+    app.apply(Command::Path(PathCommand::Ease(Easing::InOut)));
+    app.apply(Command::Path(PathCommand::LookAt(Some(glam::DVec3::new(0.5, 1.0, 0.25)))));
     app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
     app.apply(Command::Window(WindowCommand::Workspace(Workspace::Compare)));
+    app.apply(Command::Source(SourceCommand::Camera(1)));
+    app.apply(Command::Source(SourceCommand::Overlay(Overlay::WhoWon)));
+    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Camera)));
+    app.apply(Command::View(ViewCommand::Holes(HoleDisplay::Hatched)));
+    app.apply(Command::View(ViewCommand::CameraOn(0, false)));
+    let background = Background::Solid([1, 2, 3]);
+    app.apply(Command::Display(Display { exposure: 0.7, background, ..Display::default() }));
+    app.state.timeline.markers.insert(2);
+    app.state.timeline.range = Some([0, 1]);
+    app.state.inspector.compare.choice.sides = [CompareSide::Truth, CompareSide::Gather];
+    app.state.inspector.compare.choice.from = CompareVantage::HoldOut(1);
+    app.state.inspector.compare.mode = CompareMode::Difference;
     // The address of a view rounds it; who saved it and who opens it see the same.
     app.apply(Command::View(ViewCommand::CopyAddress));
     settle(&mut app);
@@ -71,20 +95,47 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     other.state.live.size = [48, 36];
     settle(&mut other);
     assert_eq!(held(&other), before);
+    let is_pictured = |app: &OverlookApp| -> Vec<bool> {
+        let doc = &app.state.doc;
+        doc.kept_views.iter().map(|kept| doc.view_pictures.of(&kept.view).is_some()).collect()
+    };
     let kept = &other.state.doc.kept_views;
-    assert!(kept.len() == 2 && kept.iter().all(|kept| kept.picture.is_none()));
+    assert!(kept.len() == 2 && is_pictured(&other) == [false, false]);
     let left = other.state.live.orbit.clone();
     other.apply(Command::View(ViewCommand::Kept(KeptViewCommand::GoTo(0))));
     settle(&mut other);
-    let is_pictured = |app: &OverlookApp| -> Vec<bool> {
-        app.state.doc.kept_views.iter().map(|kept| kept.picture.is_some()).collect()
-    };
     assert!(is_pictured(&other) == [true, false] && other.state.timeline.frame == 0);
     other.apply(Command::View(ViewCommand::Back));
     assert_eq!(other.state.live.orbit, left);
     other.take_path(Purpose::SaveStore, again.clone());
     settle(&mut other);
     assert!(std::fs::read(store).unwrap() == std::fs::read(again).unwrap(), "another store");
+}
+
+#[test]
+fn the_command_that_prunes_the_same_is_copied_and_what_has_none_says_so() {
+    let copied = |app: &OverlookApp| {
+        let commands = app.ctx.output(|output| output.commands.clone());
+        commands.into_iter().rev().find_map(|command| match command {
+            egui::OutputCommand::CopyText(text) => Some(text),
+            _ => None,
+        })
+    };
+    let mut app = ready(2, 1);
+    app.apply(Command::File(FileCommand::CopyCommandLine));
+    assert!(copied(&app).is_none() && app.notices()[0].starts_with("No session to save"));
+    open(&mut app, &edits::small_capture(), true);
+    let mut settings = app.state.settings.clone();
+    settings.pruning.depth_tolerance = 2.0;
+    app.change_settings(settings);
+    settle(&mut app);
+    delete(&mut app, Region::ConfirmedByFewerThan(1));
+    app.state.notices.clear();
+    app.apply(Command::File(FileCommand::CopyCommandLine));
+    let line = copied(&app).unwrap();
+    assert!(line.starts_with("overlook preprocess "), "{line}");
+    assert!(line.ends_with("--set pruning.depth_tolerance=2.0 --edits edits.toml"), "{line}");
+    assert!(app.notices()[0].contains("Save the edits as edits.toml first"));
 }
 
 #[test]

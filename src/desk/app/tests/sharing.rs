@@ -5,7 +5,8 @@ use glam::DVec2;
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::Command;
 use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
-use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::live::model::{ColorBy, ViewCommand};
+use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareOptions, ShareOutcome, ShareWay};
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::tests::{ready, settle, wait};
@@ -63,6 +64,52 @@ fn what_a_budget_leaves_is_seen_before_it_is_made_and_less_is_farther_from_all()
     let [more, less] = [all / 1300, all / 4000].map(|kilosplats| decibels_of(kilosplats).unwrap());
     assert!(more > less && less > 10.0, "{more} {less} of {all}");
     assert_eq!(decibels_of(0), None, "nothing is left");
+}
+
+#[test]
+fn pictures_along_the_path_show_what_the_live_view_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = ready(2, 2);
+    app.apply(Command::Path(PathCommand::PicturesPerLeg(1)));
+    for _ in 0..2 {
+        app.apply(Command::Path(PathCommand::AddKey));
+    }
+    assert_eq!(app.state.film_look(), None);
+    let written = |app: &mut OverlookApp, name: &str| {
+        let pictures = folder.path().join(name);
+        app.state.notices.clear();
+        app.take_path(Purpose::ExportPictures, pictures.clone());
+        wait(app, "the pictures", |app| app.notices().iter().any(|told| told.starts_with("Exported")));
+        image::open(pictures.join("0002.png")).unwrap().into_rgb8()
+    };
+    let plain = written(&mut app, "plain");
+    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Camera)));
+    app.apply(Command::View(ViewCommand::CameraOn(1, false)));
+    settle(&mut app);
+    assert_eq!(app.state.film_look().unwrap(), "colored by camera, without 1 hidden camera");
+    let colored = written(&mut app, "colored");
+    assert_ne!(plain, colored);
+    // The view has the size of exported pictures.
+    let shown = app.state.shown_picture().unwrap();
+    let rgb = shown.pixels.iter().map(|pixel| [pixel.r(), pixel.g(), pixel.b()]);
+    assert!(colored.pixels().map(|pixel| pixel.0).eq(rgb), "it is what the live view shows");
+}
+
+#[test]
+fn cameras_are_written_as_other_programs_read_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("cameras.json");
+    let mut app = ready(3, 2);
+    app.take_path(Purpose::SaveCameras, file.clone());
+    wait(&mut app, "the file", |_| file.is_file());
+    let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
+    let cameras = &app.state.doc.scene.as_ref().unwrap().cameras;
+    assert_eq!(views.len(), 3);
+    for (view, camera) in views.iter().zip(cameras) {
+        assert_eq!(view.camera.intrinsics, camera.intrinsics);
+        let apart = view.camera.position_in_world() - camera.position_in_world();
+        assert!(apart.length() < 1e-9);
+    }
 }
 
 #[test]

@@ -47,7 +47,7 @@ fn changes_are_listed_by_name_in_the_order_in_which_undo_takes_them_back() {
         app.apply(Command::Path(PathCommand::AddKey));
     }
     app.apply(Command::Path(PathCommand::MoveKey { index: 1, frame: 2 }));
-    let expected = ["Move key 2", "Add key 2", "Add key 1", "Pruning method: Highest sampling rate » Off"];
+    let expected = ["Change key 2", "Add key 2", "Add key 1", "Pruning method: Highest sampling rate » Off"];
     assert_eq!(app.state.undo_list(true), expected);
     for taken_back in 1..=expected.len() {
         app.apply(Command::Undo);
@@ -55,6 +55,25 @@ fn changes_are_listed_by_name_in_the_order_in_which_undo_takes_them_back() {
     }
     assert!(!app.state.can_undo(true) && app.state.can_undo(false));
     assert_eq!(app.state.undo_list(false).len(), expected.len());
+}
+
+#[test]
+fn a_turn_replaces_the_keys_of_the_path_and_they_come_back() {
+    let mut app = ready(2, 4);
+    for angle in [0.1, 0.2] {
+        app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(angle, 0.0))));
+        app.apply(Command::Path(PathCommand::AddKey));
+    }
+    let before = app.state.doc.path.shape();
+    app.apply(Command::Path(PathCommand::TurnAround));
+    let path = &app.state.doc.path;
+    assert_eq!((path.keys.len(), path.is_closed), (12, true));
+    assert!(app.notices().iter().any(|told| told.contains("2 keys before")), "{:?}", app.notices());
+    app.apply(Command::Undo);
+    assert_eq!(app.state.doc.path.shape(), before);
+    app.apply(Command::Path(PathCommand::Close(true)));
+    app.apply(Command::Undo);
+    assert_eq!(app.state.doc.path.shape(), before);
 }
 
 #[test]

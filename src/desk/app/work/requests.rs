@@ -11,8 +11,9 @@ use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::compare::model::ComparisonFigure;
 use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{CameraPath, ExportTarget};
-use crate::app::rooms::share::model::{ComparedFilm, FigureOptions};
+use crate::app::rooms::share::model::{ComparedFilm, FigureOptions, FilmLook};
 use crate::app::rooms::source::model::SourceKey;
+use overlook_engine::capture::Camera;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::edits::EditList;
 use overlook_engine::page::PageOptions;
@@ -107,6 +108,13 @@ pub(crate) enum FileRequest {
         size: [u32; 2],
         up_in_world: DVec3,
     },
+    /// Write poses and lenses of cameras as a manifest.
+    SaveCameras {
+        path: PathBuf,
+        cameras: Vec<Camera>,
+        frame_number: i64,
+        up_in_world: DVec3,
+    },
     LoadPath {
         path: PathBuf,
         scene: u64,
@@ -129,6 +137,7 @@ impl FileRequest {
             | Self::SaveSettings { path, .. }
             | Self::SaveText { path, .. }
             | Self::SavePicture { path, .. }
+            | Self::SaveCameras { path, .. }
             | Self::SavePath { path, .. } => {
                 ("Saving stopped", format!("Nothing was written to {}.", path.display()))
             }
@@ -172,6 +181,8 @@ pub(crate) enum Export {
     Page(PageOptions),
     /// Splats of a frame, or of all time where the format holds it.
     Splats { options: SplatOptions, frame: usize },
+    /// What the live view shows, in the size of the key's viewpoint.
+    View(Box<LiveKey>),
     /// A figure of a view.
     Figure(Box<FigureExport>),
     /// The same, for the clipboard; its path counts for nothing.
@@ -207,6 +218,8 @@ pub(crate) struct PathExport {
     pub vantages: Vec<Vantage>,
     /// The comparison that they show; `None` where they show the samples.
     pub compared: Option<ComparedFilm>,
+    /// How they look, where not plain.
+    pub look: Option<FilmLook>,
     pub settings: RenderSettings,
     pub display: Display,
     /// Columns and rows of the pictures.

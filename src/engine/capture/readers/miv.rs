@@ -82,7 +82,7 @@ impl Reader for Miv {
         description.found = frames.len();
         let keys = Keys { up: Some([0.0, 0.0, 1.0]), ..Keys::default() };
         Ok(ReadSource {
-            manifest: Manifest { keys, frames },
+            manifest: Manifest { keys, frames, path_easing: None },
             origin: ManifestOrigin { path, folder: place.folder.clone() },
             inputs,
             description,

@@ -124,7 +124,7 @@ pub(super) fn recording(
     }
     name_as_views(&mut frames);
     description.is_recording = true;
-    Ok(read_source(place, Manifest { keys, frames }, description, inputs))
+    Ok(read_source(place, Manifest { keys, frames, path_easing: None }, description, inputs))
 }
 
 /// The read source of a manifest whose paths are relative to the folder.
@@ -156,7 +156,7 @@ pub(super) fn rig_or_recording(
         description.notes.push("the scene is taken as static, as one camera moves through it".to_owned());
         return recording(place, keys, frames, description, inputs);
     }
-    Ok(read_source(place, Manifest { keys, frames }, description, inputs))
+    Ok(read_source(place, Manifest { keys, frames, path_easing: None }, description, inputs))
 }
 
 /// Whether all pictures are of one camera that moves.

@@ -75,7 +75,7 @@ pub(super) fn with_possible_poses(manifest: &Manifest, origin: &ManifestOrigin) 
             known.entry(camera.clone()).or_insert_with(|| entry.transform_matrix.clone());
         }
     }
-    let mut posed = Manifest { keys: manifest.keys.clone(), frames: Vec::new() };
+    let mut posed = Manifest { keys: manifest.keys.clone(), ..Manifest::default() };
     let mut kept = Vec::new();
     for (index, (entry, fault)) in manifest.frames.iter().zip(faults).enumerate() {
         match fault {

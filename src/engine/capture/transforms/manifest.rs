@@ -280,6 +280,10 @@ pub(crate) struct Manifest {
     pub keys: Keys,
     /// The pictures.
     pub frames: Vec<PictureEntry>,
+    /// How the camera of a path sets off and arrives over the whole of it.
+    #[serde(default)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path_easing: Option<String>,
 }
 
 impl Manifest {

@@ -5,7 +5,8 @@
 //! ```
 //!
 //! A manifest of another program has no keys marked; each of its entries is one. Entries may say when the camera is there (`path_time`,
-//! seconds) and how it goes on from there (`path_easing`).
+//! seconds) and how it goes on from there (`path_easing`). At the top, `path_easing` says so of the path as a whole: the pictures of a
+//! saved path go at an even pace, and whoever films them eases.
 
 use std::path::Path;
 
@@ -45,6 +46,8 @@ pub struct PathFile {
     pub seconds: Option<Vec<f64>>,
     /// How the camera goes from each view to the next.
     pub easings: Vec<Easing>,
+    /// How it sets off and arrives over the whole path.
+    pub easing: Easing,
 }
 
 choice! {
@@ -79,6 +82,8 @@ struct WrittenPath {
     camera_model: &'static str,
     pixel_center_offset: f64,
     up: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    path_easing: Option<String>,
     frames: Vec<WrittenView>,
 }
 
@@ -100,11 +105,11 @@ struct WrittenView {
     path_key: bool,
 }
 
-/// A manifest of the pictures of a path, as JSON.
+/// A manifest of the pictures of a path, as JSON. They go at an even pace; `easing` is for who films them.
 ///
 /// # Errors
 /// `Invalid` where a pose or a lens holds numbers that are not finite.
-pub fn path_to_json(up_in_world: DVec3, views: &[PathView]) -> Result<String> {
+pub fn path_to_json(up_in_world: DVec3, views: &[PathView], easing: Easing) -> Result<String> {
     let written = views.iter().enumerate().map(|(index, view)| {
         let Intrinsics { width, height, fx, fy, cx, cy, .. } = view.camera.intrinsics;
         WrittenView {
@@ -125,6 +130,7 @@ pub fn path_to_json(up_in_world: DVec3, views: &[PathView]) -> Result<String> {
         camera_model: "PINHOLE",
         pixel_center_offset: 0.5,
         up: up_in_world.to_array(),
+        path_easing: (easing != Easing::Linear).then(|| easing.to_string()),
         frames: written.collect(),
     };
     serde_json::to_string_pretty(&path).map_err(|error| Error::invalid("camera path", error.to_string()))
@@ -148,7 +154,8 @@ pub fn open_path(path: &Path, frames_are_ranked: bool) -> Result<PathFile> {
     let views = views_of(&list.manifest, &list.path, Some(folder))?;
     let seconds = seconds_of(&list.manifest, &list.path)?;
     let easings = easings_of(&list.manifest, &list.path)?;
-    Ok(PathFile { views, is_film: list.is_film, names_frames, seconds, easings })
+    let easing = easing_of(list.manifest.path_easing.as_deref(), || list.path.display().to_string())?;
+    Ok(PathFile { views, is_film: list.is_film, names_frames, seconds, easings, easing })
 }
 
 /// When the camera is at each view, if the file says it.
@@ -171,12 +178,14 @@ fn seconds_of(manifest: &Manifest, place: &Path) -> Result<Option<Vec<f64>>> {
 
 fn easings_of(manifest: &Manifest, place: &Path) -> Result<Vec<Easing>> {
     let easing = |(index, entry): (usize, &PictureEntry)| {
-        let told = entry.path_easing.as_deref().map_or(Ok(Easing::Linear), str::parse);
-        told.map_err(|what| {
-            Error::invalid(format!("{}, frames[{index}]", place.display()), format!("path_easing {what}"))
-        })
+        easing_of(entry.path_easing.as_deref(), || format!("{}, frames[{index}]", place.display()))
     };
     manifest.frames.iter().enumerate().map(easing).collect()
+}
+
+fn easing_of(told: Option<&str>, place: impl FnOnce() -> String) -> Result<Easing> {
+    let easing = told.map_or(Ok(Easing::Linear), str::parse);
+    easing.map_err(|what| Error::invalid(place(), format!("path_easing {what}")))
 }
 
 /// The pictures of a path, from a text as [`path_to_json`] or another program wrote it. No file is looked for; `place` is
@@ -238,7 +247,7 @@ mod tests {
     #[test]
     fn a_path_comes_back_as_it_was_written_and_one_without_keys_has_a_key_everywhere() {
         let views = [view(0.0, 3, true), view(0.5, 4, false), view(1.0, 5, true)];
-        let text = path_to_json(DVec3::Z, &views).unwrap();
+        let text = path_to_json(DVec3::Z, &views, Easing::Linear).unwrap();
         let again = path_from_json(text.as_bytes(), Path::new("transforms.json")).unwrap();
         for (before, after) in views.iter().zip(&again) {
             assert_eq!((before.frame_number, before.is_key), (after.frame_number, after.is_key));
@@ -249,6 +258,22 @@ mod tests {
         let bare = text.replace("\"path_key\": true", "\"other\": 1");
         let bare = path_from_json(bare.as_bytes(), Path::new("transforms.json")).unwrap();
         assert!(bare.iter().all(|view| view.is_key));
+    }
+
+    #[test]
+    fn how_a_path_is_eased_as_a_whole_is_in_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("path.json");
+        let views = [view(0.0, 3, true), view(1.0, 5, true)];
+        for easing in Easing::ALL {
+            std::fs::write(&file, path_to_json(DVec3::Z, &views, easing).unwrap()).unwrap();
+            assert_eq!(open_path(&file, false).unwrap().easing, easing);
+        }
+        let text = path_to_json(DVec3::Z, &views, Easing::In).unwrap();
+        std::fs::write(&file, text.replace("\"path_easing\": \"in\"", "\"path_easing\": \"bouncy\""))
+            .unwrap();
+        let error = open_path(&file, false).unwrap_err().to_string();
+        assert!(error.contains("path_easing 'bouncy' is not one of linear"), "{error}");
     }
 
     #[test]

@@ -102,7 +102,7 @@ fn of_viewer(bytes: &[u8], place: &str) -> Result<Manifest> {
     };
     let frames = path.camera_path.iter().enumerate().map(entry).collect();
     let keys = Keys { w: Some(path.render_width), h: Some(path.render_height), ..Keys::default() };
-    not_empty(Manifest { keys, frames }, place)
+    not_empty(Manifest { keys, frames, path_easing: None }, place)
 }
 
 /// A camera beside trained splats.
@@ -139,7 +139,7 @@ fn of_splats(bytes: &[u8], place: &str) -> Result<Manifest> {
         }
     };
     let frames = cameras.iter().enumerate().map(entry).collect();
-    not_empty(Manifest { keys: Keys::default(), frames }, place)
+    not_empty(Manifest { frames, ..Manifest::default() }, place)
 }
 
 fn parsed<T: serde::de::DeserializeOwned>(bytes: &[u8], what: &str, place: &str) -> Result<T> {
@@ -200,5 +200,5 @@ fn of_colmap(cameras: &Path, images: &Path) -> Result<Manifest> {
     };
     let frames = images.iter().map(entry).collect::<Result<_>>()?;
     let keys = Keys { picture_orientation: Some(PictureRows::AsStored), ..Keys::default() };
-    not_empty(Manifest { keys, frames }, &places[1])
+    not_empty(Manifest { keys, frames, path_easing: None }, &places[1])
 }

@@ -11,7 +11,7 @@ use crate::app::model::{Command, Commands, Content, State};
 use crate::app::rooms::compare::model::CompareCommand;
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::share::model::FigureOf;
-use crate::app::rooms::share::ui::picture_menu_ui;
+use crate::app::rooms::share::ui::picture_menu::picture_menu_ui;
 use crate::app::rooms::source::model::PictureZoom;
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::{Tokens, space};
@@ -117,13 +117,8 @@ fn sides(state: &State) -> Vec<(CompareSide, String, String)> {
 fn pictures_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let button = egui::Button::new(ICON_ADD_PHOTO_ALTERNATE.rich_text().size(16.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
-        for (name, command) in [
-            ("Open folder of pictures…", Command::File(FileCommand::AskPath(Purpose::OpenPictures))),
-            ("Open pictures from path…", Command::File(FileCommand::TypePath(Purpose::OpenPictures))),
-        ] {
-            if ui.button(name).on_hover_text(PICTURES).clicked() {
-                commands.push(command);
-            }
+        if ui.button("Open folder of pictures…").on_hover_text(PICTURES).clicked() {
+            commands.push(Command::File(FileCommand::AskPath(Purpose::OpenPictures)));
         }
         for folder in &state.doc.pictures {
             if ui.button(format!("Close {}", folder.name())).on_hover_text(folder.words()).clicked() {

@@ -2,21 +2,22 @@
 
 use std::path::Path;
 
-use super::model::{CameraPath, PathCommand, SavedPathKey};
+use super::model::{CameraPath, PathCommand, PathShape, SavedPathKey};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::OpenScene;
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::live::model::OrbitCamera;
-use overlook_engine::capture::transforms::PathView;
+use overlook_engine::capture::transforms::{Easing, PathFile, PathView};
 use overlook_engine::plural::counted;
 
 impl OverlookApp {
     /// Carries out what concerns the camera path.
     pub(crate) fn apply_to_path(&mut self, command: PathCommand) {
         let frame = self.state.timeline.frame;
-        let here = self.state.live.orbit.clone().map(|orbit| SavedPathKey { orbit, frame });
+        let here = self.state.live.orbit.clone().map(|orbit| SavedPathKey { orbit, frame, pictures: None });
+        let rate = f64::from(self.state.timeline.frames_per_second);
         let path = &mut self.state.doc.path;
-        let before = path.keys.clone();
+        let before = path.shape();
         let mut moved = None;
         match command {
             PathCommand::AddKey => {
@@ -25,14 +26,11 @@ impl OverlookApp {
                 }
             }
             PathCommand::RemoveKey(index) => {
-                if index < path.keys.len() {
-                    path.keys.remove(index);
-                    path.playing = None;
-                }
+                path.remove_key(index);
             }
             PathCommand::ReplaceKey(index) => {
                 if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
-                    *key = here;
+                    *key = SavedPathKey { pictures: key.pictures, ..here };
                 }
             }
             PathCommand::MoveKey { index, frame } => {
@@ -41,14 +39,26 @@ impl OverlookApp {
             }
             PathCommand::Clear => {
                 path.keys.clear();
-                path.playing = None;
+                (path.is_closed, path.selected, path.playing) = (false, None, None);
             }
+            PathCommand::ExchangeKey(index, with) => path.exchange_key(index, with),
             PathCommand::GoToKey(index) => {
                 if let Some(key) = path.keys.get(index).cloned() {
+                    path.selected = Some(index);
                     self.go_to_key(key);
                 }
             }
-            PathCommand::PicturesPerLeg(pictures) => path.pictures_per_leg = pictures.clamp(1, 2000),
+            PathCommand::PicturesPerLeg(pictures) => path.set_pictures_per_leg(pictures),
+            PathCommand::Seconds(seconds) => path.set_seconds(seconds, rate),
+            PathCommand::LegSeconds(leg, seconds) => {
+                path.set_leg(leg, seconds.map(|seconds| seconds * rate));
+                moved = Some(leg);
+            }
+            PathCommand::Close(close) => path.is_closed = close,
+            PathCommand::Ease(easing) => path.easing = easing,
+            PathCommand::LookAt(point) => path.looks_at = point,
+            PathCommand::TurntableOptions(turntable) => path.turntable = turntable,
+            PathCommand::TurnAround => self.turn_around(rate),
             PathCommand::PictureSize(size) => path.size = Some(size),
             PathCommand::Play(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
         }
@@ -56,18 +66,32 @@ impl OverlookApp {
     }
 
     fn add_key(&mut self, key: SavedPathKey) {
-        let keys = &mut self.state.doc.path.keys;
-        keys.push(key);
-        let added = format!("Key {} added", keys.len());
+        let added = format!("Key {} added", self.state.doc.path.add_key(key) + 1);
+        self.picture_view();
         if !self.visible_views().contains(&DockView::Path) {
             self.state.notify(NoticeKind::Done, added, "The Camera path view plays and exports the path.");
         }
     }
 
-    /// Notes what the keys of the path were, so that the change can be taken back.
-    pub(crate) fn keys_changed(&mut self, before: Vec<SavedPathKey>, moved: Option<usize>) {
+    /// Makes the path a turn around the pivot of the view.
+    fn turn_around(&mut self, rate: f64) {
+        let Some(view) = self.state.live.orbit.clone() else { return };
+        let (timeline, frames) = (&self.state.timeline, self.state.frame_count());
         let path = &mut self.state.doc.path;
-        let changes = path.keys != before;
+        let played = if path.turntable.passes_time { timeline.played(frames) } else { [timeline.frame; 2] };
+        let replaced = path.keys.len();
+        path.turn_around(&view, played, rate);
+        if replaced > 0 {
+            let text = format!("{} before are gone; Ctrl+Z brings them back.", counted(replaced, "key"));
+            self.state.notify(NoticeKind::Done, "The path is a turn", text);
+        }
+        self.picture_view();
+    }
+
+    /// Notes what the keys of the path were, so that the change can be taken back.
+    pub(crate) fn keys_changed(&mut self, before: PathShape, moved: Option<usize>) {
+        let path = &mut self.state.doc.path;
+        let changes = path.shape() != before;
         path.note_change(before, moved);
         self.state.doc.edits.is_latest &= !changes;
     }
@@ -79,24 +103,25 @@ impl OverlookApp {
     }
 
     /// Takes in the keys of a path that was read: after those that are there.
-    pub(crate) fn path_loaded(&mut self, place: &Path, views: &[PathView]) {
+    pub(crate) fn path_loaded(&mut self, place: &Path, file: &PathFile) {
         let Some(scene) = self.state.doc.scene.clone() else { return };
-        let count = self.take_path_views(&scene, views);
+        let count = self.take_path_views(&scene, &file.views, file.easing);
         let text = format!("{} from {}", counted(count, "key"), place.display());
         self.state.notify(NoticeKind::Done, "Camera path opened", text);
     }
 
     /// Takes the keys among some views after those that are there; gives how many.
-    pub(crate) fn take_path_views(&mut self, scene: &OpenScene, views: &[PathView]) -> usize {
+    pub(crate) fn take_path_views(&mut self, scene: &OpenScene, views: &[PathView], easing: Easing) -> usize {
         let path = &mut self.state.doc.path;
-        let (is_new, before) = (path.keys.is_empty(), path.keys.clone());
+        let (is_new, before) = (path.keys.is_empty(), path.shape());
         let keys: Vec<SavedPathKey> =
             views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)).collect();
         let count = keys.len();
         path.keys.extend(keys);
-        path.playing = None;
+        (path.selected, path.playing) = (None, None);
         if is_new {
             path.take_pace_of(views);
+            path.easing = easing;
             path.saved = path.keys.clone();
         }
         self.keys_changed(before, None);
@@ -117,5 +142,6 @@ pub(crate) fn key_of(scene: &OpenScene, view: &PathView) -> SavedPathKey {
     SavedPathKey {
         orbit: OrbitCamera::at_camera(scene, &view.camera),
         frame: nearest.map_or(0, |(index, _)| index),
+        pictures: None,
     }
 }

@@ -9,12 +9,10 @@ use crate::app::model::{StoppableWork, WorkKind};
 use crate::app::rooms::files::control::{no_figure, no_scene};
 use crate::app::rooms::files::model::Purpose;
 use crate::app::rooms::frame::model::{DockView, NoticeKind, and_others};
-use crate::app::rooms::live::model::LiveKey;
 use crate::app::rooms::path::model::{ExportTarget, Exported};
 use crate::app::work::{Export, ExportRequest, FigureExport, PathExport};
 use overlook_engine::error::Error;
 use overlook_engine::page::{PageOptions, PagePath};
-use overlook_engine::render::Vantage;
 use overlook_engine::render::film::FilmSource;
 use overlook_engine::splats::{SplatAmount, SplatOptions};
 
@@ -96,6 +94,16 @@ impl OverlookApp {
         self.workers.export.submit(ExportRequest { path, source, what: Export::Figure(Box::new(figure)) });
     }
 
+    /// Writes what the live view shows in another size than on the screen; false where that cannot be.
+    pub(crate) fn export_view(&mut self, path: PathBuf, size: [u32; 2]) -> bool {
+        let key = self.state.live_key(size, self.state.dark);
+        let Some((key, samples)) = key.zip(self.state.samples_here().cloned()) else { return false };
+        // The key has its samples itself.
+        let (source, what) = (FilmSource::Memory(samples), Export::View(Box::new(key)));
+        self.workers.export.submit(ExportRequest { path, source, what });
+        true
+    }
+
     /// The view that a figure is of where none is named.
     fn view_of_figure(&self) -> FigureOf {
         match self.state.look.maximized.or_else(|| self.dock.pointed_at()) {
@@ -139,17 +147,7 @@ impl OverlookApp {
         let scene = state.doc.scene.as_ref()?;
         let figure = match of {
             FigureOf::Live => {
-                let [shown, size] = [state.live.size, state.figure_size()];
-                let key = &state.doc.live_shown.as_ref()?.key;
-                let key = LiveKey {
-                    vantage: Vantage { camera: state.live_camera(size)?, frame: state.timeline.frame },
-                    settings: state.settings.render.clone(),
-                    dark: options.is_dark,
-                    in_motion: false,
-                    quality: None,
-                    per_coarse_pixel: f64::from(size[0]) / f64::from(shown[0].max(1)),
-                    ..key.clone()
-                };
+                let key = state.live_key(state.figure_size(), options.is_dark)?;
                 FigureExport::Live { key: Box::new(key), options }
             }
             FigureOf::Source => {
@@ -173,6 +171,7 @@ impl OverlookApp {
             Export::Path(Box::new(PathExport {
                 vantages: state.film_vantages(),
                 compared: state.compared_film(),
+                look: state.filmed_look(),
                 settings: state.settings.render.clone(),
                 display: state.display,
                 size: state.export_size(),

@@ -24,7 +24,7 @@ pub(crate) struct Pace {
     pub(crate) frame: Option<i64>,
     /// How many pictures are spread evenly over the path.
     pub(crate) pictures: Option<usize>,
-    /// How the camera sets off and arrives over the whole path.
+    /// How the camera sets off and arrives over the whole path; where evenly, the file may say otherwise.
     pub(crate) easing: Easing,
     /// Pictures a second, for paths that say when the camera is where.
     pub(crate) rate: f64,
@@ -61,19 +61,12 @@ pub(crate) fn along(path: &Path, store: &StoreInfo, pace: Pace) -> Result<Stops>
         file.views.sort_by_key(|view| view.frame_number);
         file.views.iter().map(|view| view.frame_number as f64).collect()
     };
+    let easing = if pace.easing == Easing::Linear { file.easing } else { pace.easing };
     let keys = times.into_iter().zip(&file.views);
     let keys = keys.map(|(time, view)| PathKey { time, world_from_camera: view.camera.world_from_camera });
-    let film = Film {
-        path,
-        store,
-        held,
-        keys: keys.collect(),
-        file: &file,
-        lens: first.camera.intrinsics,
-        easing: pace.easing,
-    };
-    let is_eased =
-        pace.easing != Easing::Linear || file.easings.iter().any(|easing| *easing != Easing::Linear);
+    let film =
+        Film { path, store, held, keys: keys.collect(), file: &file, lens: first.camera.intrinsics, easing };
+    let is_eased = easing != Easing::Linear || file.easings.iter().any(|easing| *easing != Easing::Linear);
     match pace.pictures {
         Some(pictures) => film.spread(pictures),
         None if file.seconds.is_some() => film.spread(film.pictures_at(pace.rate)?),

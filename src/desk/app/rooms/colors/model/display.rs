@@ -7,7 +7,7 @@
 use super::value_look::ValueLook;
 
 /// How linear values become displayed ones.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum ToneCurve {
     #[default]
     Srgb,
@@ -29,7 +29,7 @@ impl ToneCurve {
 }
 
 /// What is shown of a color.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum Channel {
     #[default]
     Color,
@@ -51,7 +51,7 @@ impl Channel {
 }
 
 /// The background: the color of pixels at infinity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum Background {
     #[default]
     Recorded,
@@ -60,7 +60,7 @@ pub(crate) enum Background {
 }
 
 /// How both views show color.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Display {
     /// Stops: 1 is twice as bright.
     pub exposure: f32,

@@ -5,7 +5,7 @@ use overlook_engine::render::ValueColors;
 use overlook_engine::settings::{Colormap, ValueScale};
 
 /// What of the values is shown, and how.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct ValueLook {
     /// The number of the channel.
     pub channel: usize,

@@ -19,7 +19,7 @@ use overlook_lab::metrics::ErrorClass;
 use overlook_lab::rivals::Rival;
 
 /// What one side shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum CompareSide {
     Kept,
     Everything,
@@ -101,7 +101,7 @@ impl CompareSide {
 }
 
 /// How the two are shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum CompareMode {
     Wipe,
     Flip,
@@ -120,7 +120,7 @@ impl CompareMode {
 }
 
 /// What the map of a difference shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum CompareMeasure {
     Steps,
     Brightness,

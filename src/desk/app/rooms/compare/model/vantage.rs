@@ -1,7 +1,7 @@
 //! Where a comparison is made from.
 
 /// From where.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum CompareVantage {
     /// The pose of the live view.
     Live,

@@ -30,10 +30,7 @@ impl OverlookApp {
     /// The address of the view, without the scene's; `None` while nothing is shown.
     pub(crate) fn view_address(&self) -> Option<ViewAddress> {
         let state = &self.state;
-        let (scene, orbit) = (state.doc.scene.as_ref()?, state.live.orbit.as_ref()?);
-        let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
-        let lenses = [orbit.lens, scene.cameras.first()?.intrinsics];
-        Some(ViewAddress::of(&orbit.world_from_camera, orbit.pivot_distance, lenses, frame_number))
+        state.address_of(state.live.orbit.as_ref()?, state.timeline.frame)
     }
 
     /// Goes to the view of an address. A scene that is not open is opened first; a page and an address without a scene mean what is open.

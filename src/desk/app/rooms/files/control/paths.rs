@@ -39,6 +39,7 @@ impl OverlookApp {
             }
             FileCommand::TakeTypedPath => self.take_typed_path(),
             FileCommand::CloseTypedPath => self.state.typed_path = None,
+            FileCommand::CopyCommandLine => self.copy_command_line(),
             FileCommand::ForgetRecent => {
                 self.state.recent.clear();
                 self.state.recent_pictures.clear();
@@ -122,7 +123,9 @@ impl OverlookApp {
             }
             None => {
                 let entry = purpose.typed_entry();
-                let text = format!("Where no file dialog appears, \"{entry}\" takes a path that is typed.");
+                let palette = if entry.ends_with('…') { "" } else { " of the commands (Ctrl+P)" };
+                let text =
+                    format!("Where no file dialog appears, \"{entry}\"{palette} takes a path that is typed.");
                 self.state.notify(NoticeKind::Done, "No path was chosen", text);
             }
         }
@@ -164,6 +167,7 @@ impl OverlookApp {
                 }
             }
             Purpose::SavePicture => self.save_picture(path),
+            Purpose::SaveCameras => self.save_cameras(path),
             Purpose::SavePath => self.save_path(path),
             Purpose::LoadPath => {
                 if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
@@ -194,6 +198,11 @@ impl OverlookApp {
     }
 
     fn save_picture(&mut self, path: PathBuf) {
+        if let Some(size) = self.state.share.options.picture_size
+            && self.export_view(path.clone(), size)
+        {
+            return;
+        }
         let shown = self.state.doc.live_shown.as_ref();
         let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
         let picture = self.state.shown_picture().cloned();
@@ -204,6 +213,17 @@ impl OverlookApp {
             self.state.share.asked = None;
             self.notify_in_motion();
         }
+    }
+
+    /// Writes the cameras: as they were pruned, or as the capture has them.
+    fn save_cameras(&mut self, path: PathBuf) {
+        let state = &self.state;
+        let Some(scene) = &state.doc.scene else { return };
+        let cameras =
+            state.current_whole().map_or_else(|| scene.cameras.clone(), |whole| whole.cameras.clone());
+        let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
+        let up_in_world = state.up_in_world();
+        self.workers.file.submit(FileRequest::SaveCameras { path, cameras, frame_number, up_in_world });
     }
 
     fn save_path(&mut self, path: PathBuf) {
@@ -264,6 +284,7 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         Purpose::ExportFigure => {
             ("Nothing to export yet", no_scene().or_else(|| no_figure(state, state.share.options.figure_of)))
         }
+        Purpose::SaveCameras => ("Nothing to save yet", no_scene()),
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::SaveSession => {

@@ -7,7 +7,7 @@ use crate::address::ViewAddress;
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::dock::Dock;
 use crate::app::model::{OpenScene, SceneSource};
-use crate::app::rooms::files::model::Session;
+use crate::app::rooms::files::model::{Purpose, Session, SessionLook};
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::live::model::KeptView;
 use crate::app::rooms::path::model::CameraPath;
@@ -23,6 +23,26 @@ impl OverlookApp {
         }
     }
 
+    /// Copies the command that prunes the same without a window.
+    pub(crate) fn copy_command_line(&mut self) {
+        if self.refuses(Purpose::SaveSession) {
+            return;
+        }
+        if !self.state.has_capture() {
+            let text = "A store is pruned already; open the capture that it was made from.";
+            return self.state.warn_of_scene("No command to copy", text);
+        }
+        let Some(session) = self.session() else { return };
+        self.ctx.copy_text(session.command_line());
+        let edits = "Save the edits as edits.toml first (Save > Save edits…), where the command is run.";
+        let text = if session.has_edits() {
+            edits
+        } else {
+            "Paste it into a terminal: it prunes the same into a store."
+        };
+        self.state.notify(NoticeKind::Done, "Command copied", text);
+    }
+
     /// The session of a scene that has a path.
     fn session(&self) -> Option<Session> {
         let state = &self.state;
@@ -30,7 +50,8 @@ impl OverlookApp {
         let SceneSource::Path(opens) = &scene.origin else { return None };
         let path = &state.doc.path;
         let path = if path.pictures() > 0 {
-            path.views(state.export_size(), &scene.frame_numbers)
+            // Keys as they are: what the camera looks at instead is said beside them.
+            CameraPath { looks_at: None, ..path.clone() }.views(state.export_size(), &scene.frame_numbers)
         } else {
             Vec::new()
         };
@@ -39,9 +60,12 @@ impl OverlookApp {
             settings: state.settings.clone(),
             edits: state.doc.edits.list.clone(),
             path,
+            path_easing: state.doc.path.easing,
+            path_looks_at: state.doc.path.looks_at,
             up_in_world: state.up_in_world(),
             view: self.view_address()?.to_string(),
             layout: self.dock.to_json(),
+            look: Some(SessionLook::of(state, scene)),
             kept_views: (state.doc.kept_views.iter())
                 .map(|kept| (kept.name.clone(), kept.view.clone()))
                 .collect(),
@@ -56,12 +80,16 @@ impl OverlookApp {
         self.dock = Dock::from_json(&session.layout);
         self.state.look.workspace = self.dock.workspace();
         self.show_areas_that_fit();
+        if let Some(look) = &session.look {
+            look.put(&mut self.state, scene);
+        }
         let up = session.up_in_world;
         self.state.live.up = (up != scene.up_in_world).then_some(up);
         self.state.doc.path = CameraPath::default();
-        self.take_path_views(scene, &session.path);
+        self.take_path_views(scene, &session.path, session.path_easing);
+        self.state.doc.path.looks_at = session.path_looks_at;
         let kept = session.kept_views.iter().cloned();
-        self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view, picture: None }).collect();
+        self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view }).collect();
         self.state.doc.edits.saved = session.edits.clone();
         self.state.doc.edits.change(true, |list| *list = session.edits.clone());
         if let Some(view) = ViewAddress::read(session.view.trim_start_matches('#')) {

@@ -18,6 +18,8 @@ pub(crate) enum FileCommand {
     /// Take the path in the field.
     TakeTypedPath,
     CloseTypedPath,
+    /// Copy the command that prunes what is open without a window.
+    CopyCommandLine,
     ForgetRecent,
     /// Cancel the question before closing or opening.
     Stay,

@@ -38,6 +38,8 @@ pub(crate) enum Purpose {
     ExportPoints,
     /// Write the points of every frame into a folder.
     ExportPointsOfFrames,
+    /// Write the poses and lenses of all cameras as a manifest.
+    SaveCameras,
     /// Write the camera path as a manifest.
     SavePath,
     /// Read a camera path from a manifest.
@@ -68,7 +70,8 @@ impl Purpose {
 
     /// Whether the dialog of all ways out asks for it.
     pub(crate) fn is_shared(self) -> bool {
-        self.work() == WorkKind::Export || matches!(self, Self::SaveStore | Self::SavePicture)
+        self.work() == WorkKind::Export
+            || matches!(self, Self::SaveStore | Self::SavePicture | Self::SaveCameras)
     }
 
     /// The work that reads or writes there.
@@ -99,6 +102,7 @@ impl Purpose {
             Self::SaveTable(_) => "Save a table as CSV, Markdown (.md) or LaTeX (.tex)",
             Self::ExportPictures => "Share pictures in a folder",
             Self::ExportExr => "Share EXR pictures in a folder",
+            Self::SaveCameras => "Share the cameras",
             Self::SavePath => "Save the camera path",
             Self::LoadPath => "Open a camera path",
             Self::OpenPictures => "Open pictures of another program",
@@ -119,21 +123,22 @@ impl Purpose {
         matches!(self, Self::ExportPictures | Self::ExportExr | Self::ExportPointsOfFrames)
     }
 
-    /// The entry that opens the field for typing the path.
+    /// What opens the field for typing the path: an entry of the command palette, or a button, whose name ends with dots.
     pub(crate) fn typed_entry(self) -> &'static str {
         match self {
-            Self::OpenFile | Self::OpenFolder => "Open path…",
-            Self::SaveSettings => "Save settings to path…",
-            Self::LoadSettings => "Load settings from path…",
+            Self::OpenFile | Self::OpenFolder => "Open path",
+            Self::SaveSettings => "Save settings to path",
+            Self::LoadSettings => "Load settings from path",
             Self::SaveTable(_) => "Save table…",
-            Self::SavePath => "Save camera path to path…",
-            Self::LoadPath => "Open camera path from path…",
-            Self::OpenPictures => "Open pictures from path…",
-            Self::SaveEdits => "Save edits to path…",
-            Self::LoadEdits => "Open edits from path…",
-            Self::SaveSession => "Save session…",
+            Self::SavePath => "Save camera path to path",
+            Self::LoadPath => "Open camera path from path",
+            Self::OpenPictures => "Open pictures from path",
+            Self::SaveEdits => "Save edits to path",
+            Self::LoadEdits => "Open edits from path",
+            Self::SaveSession => "Save session to path",
             Self::SaveStore
             | Self::SavePicture
+            | Self::SaveCameras
             | Self::ExportPictures
             | Self::ExportExr
             | Self::ExportFilm

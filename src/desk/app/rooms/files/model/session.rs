@@ -5,11 +5,12 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use overlook_engine::capture::transforms::{PathView, path_from_json, path_to_json};
+use overlook_engine::capture::transforms::{Easing, PathView, path_from_json, path_to_json};
 use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::settings::{Field, Settings};
 
+use super::session_look::SessionLook;
 use crate::address::ViewAddress;
 use crate::app::rooms::settings::model::setting_names::SettingPairs;
 use glam::DVec3;
@@ -29,12 +30,17 @@ pub(crate) struct Session {
     pub edits: EditList,
     /// The views of the camera path, with keys marked; empty without one.
     pub path: Vec<PathView>,
+    /// How its camera sets off and arrives, and the point in world space that it looks at.
+    pub path_easing: Easing,
+    pub path_looks_at: Option<DVec3>,
     /// Up in the world: as chosen, or as the capture has it.
     pub up_in_world: DVec3,
     /// The address of the view, as `#view=…&frame=…`.
     pub view: String,
     /// The arrangement of the views, as the window remembers it.
     pub layout: String,
+    /// How both views look; `None` in sessions that do not say it.
+    pub look: Option<SessionLook>,
     /// The views that are kept: name and address.
     pub kept_views: Vec<(String, ViewAddress)>,
 }
@@ -55,8 +61,14 @@ struct SessionForm {
     edits: String,
     #[serde(default)]
     path: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    path_easing: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    path_looks_at: Option<[f64; 3]>,
     #[serde(default)]
     layout: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    look: Option<SessionLook>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     kept_view: Vec<KeptViewForm>,
 }
@@ -81,28 +93,35 @@ impl Session {
     /// `Invalid` where the camera path cannot be written.
     pub(crate) fn to_text(&self, place: &Path) -> Result<String> {
         let folder = place.parent().unwrap_or(Path::new(""));
-        let path =
-            if self.path.is_empty() { String::new() } else { path_to_json(self.up_in_world, &self.path)? };
+        let path = if self.path.is_empty() {
+            String::new()
+        } else {
+            path_to_json(self.up_in_world, &self.path, self.path_easing)?
+        };
         let form = SessionForm {
             version: VERSION,
             opens: self.opens.strip_prefix(folder).unwrap_or(&self.opens).to_path_buf(),
             up: self.up_in_world.to_array(),
             view: self.view.clone(),
             settings: self.settings.to_toml(),
-            edits: if self.edits.edits.is_empty() { String::new() } else { self.edits.to_toml() },
+            edits: if self.has_edits() { self.edits.to_toml() } else { String::new() },
             path,
+            path_easing: match self.path_easing {
+                Easing::Linear => String::new(),
+                easing => easing.to_string(),
+            },
+            path_looks_at: self.path_looks_at.map(|point| point.to_array()),
             layout: self.layout.clone(),
+            look: self.look.clone(),
             kept_view: (self.kept_views.iter())
                 .map(|(name, view)| KeptViewForm { name: name.clone(), view: view.to_string() })
                 .collect(),
         };
         let text = toml::to_string_pretty(&form)
             .map_err(|error| Error::invalid(place.display(), error.to_string()))?;
-        Ok(format!(
-            "# A session of Overlook: overlook open {}\n# {}\n{text}",
-            quoted(place),
-            self.command_line()
-        ))
+        let edits = if self.has_edits() { ", which Save > Save edits writes" } else { "" };
+        let line = self.command_line();
+        Ok(format!("# A session of Overlook: overlook open {}\n# {line}{edits}\n{text}", quoted(place)))
     }
 
     /// Reads a file's text.
@@ -124,6 +143,9 @@ impl Session {
             );
             return Err(invalid(what));
         }
+        if form.look.as_ref().is_some_and(|look| !look.is_finite()) {
+            return Err(invalid("the look has a number that cannot be shown; write finite ones".to_owned()));
+        }
         let folder = place.parent().unwrap_or(Path::new(""));
         let edits = if form.edits.is_empty() {
             EditList::default()
@@ -132,6 +154,10 @@ impl Session {
         };
         let path =
             if form.path.is_empty() { Vec::new() } else { path_from_json(form.path.as_bytes(), place)? };
+        let path_easing = match form.path_easing.as_str() {
+            "" => Easing::Linear,
+            easing => easing.parse().map_err(|what| invalid(format!("path_easing {what}")))?,
+        };
         let up = DVec3::from(form.up).try_normalize();
         let up = up.ok_or_else(|| {
             invalid("\"up\" is no direction; write it as three numbers, as in [0, 0, 1]".to_owned())
@@ -148,15 +174,23 @@ impl Session {
             settings: Settings::from_toml(&form.settings, &name)?,
             edits,
             path,
+            path_easing,
+            path_looks_at: form.path_looks_at.map(DVec3::from).filter(|point| point.is_finite()),
             up_in_world: up,
             view: form.view,
             layout: form.layout,
+            look: form.look,
             kept_views,
         })
     }
 
-    /// The command that prunes the same.
-    fn command_line(&self) -> String {
+    /// Whether pruning the same takes a list of edits.
+    pub(crate) fn has_edits(&self) -> bool {
+        !self.edits.edits.is_empty()
+    }
+
+    /// The command that prunes the same. Edits are in a file beside it.
+    pub(crate) fn command_line(&self) -> String {
         let defaults = Settings::default();
         let pairs = SettingPairs::new(&self.settings, &defaults);
         let mut line = format!("overlook preprocess {} --out scene.ovl", quoted(&self.opens));
@@ -166,8 +200,8 @@ impl Session {
             // A string takes all that is written.
             let _ = write!(line, " --set {path}={value}");
         }
-        if !self.edits.edits.is_empty() {
-            line += " --edits EDITS.toml, which Save > Save edits writes";
+        if self.has_edits() {
+            line += " --edits edits.toml";
         }
         line
     }
@@ -192,9 +226,12 @@ mod tests {
             settings,
             edits: EditList::default(),
             path: Vec::new(),
+            path_easing: Easing::InOut,
+            path_looks_at: Some(DVec3::new(1.0, 2.0, 3.5)),
             up_in_world: DVec3::Z,
             view: "#view=1,2&frame=3".to_owned(),
             layout: "{}".to_owned(),
+            look: None,
             kept_views: vec![("the \"door\"".to_owned(), ViewAddress::read("camera=a&frame=3").unwrap())],
         }
     }

@@ -37,7 +37,7 @@ fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
         Purpose::ExportFigure => ("Export", ".pdf, .svg or .png file"),
         Purpose::ExportPoints => ("Export", ".ply file"),
         Purpose::ExportFilm => ("Export", ".mp4 file"),
-        Purpose::SavePath => ("Save", "transforms.json"),
+        Purpose::SaveCameras | Purpose::SavePath => ("Save", "transforms.json"),
         Purpose::LoadPath => ("Load", "transforms.json"),
         Purpose::OpenPictures => ("Load", "folder of pictures"),
         Purpose::LoadSettings | Purpose::LoadEdits => ("Load", ".toml file"),

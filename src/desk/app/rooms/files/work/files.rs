@@ -15,7 +15,7 @@ use crate::app::rooms::share::work::figures::FIGURE_ENDINGS;
 use crate::app::work::requests::FileRequest;
 use crate::pruned_store;
 use overlook_engine::capture::Capture;
-use overlook_engine::capture::transforms::{PathView, open_path, path_to_json};
+use overlook_engine::capture::transforms::{PathFile, open_path, path_to_json, write_cameras};
 use overlook_engine::edited_store::write_edited_store;
 use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
@@ -120,14 +120,18 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
             whole_file::write_all(&path, text)?;
             (path, None, None)
         }
+        FileRequest::SaveCameras { path, cameras, frame_number, up_in_world } => {
+            write_cameras(&path, &cameras, frame_number, up_in_world)?;
+            (path, None, None)
+        }
         FileRequest::SavePath { path, scene, camera_path, size, up_in_world } => {
             let views = camera_path.views(size, &scene.frame_numbers);
-            whole_file::write_all(&path, path_to_json(up_in_world, &views)?)?;
+            whole_file::write_all(&path, path_to_json(up_in_world, &views, camera_path.easing)?)?;
             return Ok(Message::PathSaved { path, saved: camera_path });
         }
         FileRequest::LoadPath { path, scene } => {
-            let views = read_path(&path)?;
-            return Ok(Message::PathLoaded { scene, path, views });
+            let file = read_path(&path)?;
+            return Ok(Message::PathLoaded { scene, path, file });
         }
         FileRequest::OpenPictures { path, scene } => {
             let folder = other_pictures::open(&path, &scene)?;
@@ -144,12 +148,12 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
 /// Bytes of a camera path at most: some 100,000 pictures.
 const MOST_OF_A_PATH: u64 = 64 << 20;
 
-fn read_path(path: &Path) -> Result<Vec<PathView>> {
+fn read_path(path: &Path) -> Result<PathFile> {
     let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
     if length > MOST_OF_A_PATH {
         return Err(Error::invalid(path.display(), format!("{length} bytes are too many for a camera path")));
     }
-    Ok(open_path(path, false)?.views)
+    open_path(path, false)
 }
 
 /// Whether a destination exists, so that writing would replace it.
@@ -185,6 +189,7 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         Purpose::LoadEdits => dialog.add_filter("Edits", &["toml"]).pick_file(),
         Purpose::SaveSession => dialog.add_filter("Session", &[SESSION_ENDING]).save_file(),
         Purpose::SaveEdits => dialog.add_filter("Edits", &["toml"]).save_file(),
+        Purpose::SaveCameras => dialog.add_filter("Cameras", &["json"]).save_file(),
         Purpose::SavePath => dialog.add_filter("Camera path", &["json"]).save_file(),
         Purpose::LoadPath => dialog.add_filter("Camera path", &["json"]).pick_file(),
         Purpose::SaveStore => dialog.add_filter("Store", &["ovl"]).save_file(),

@@ -67,10 +67,8 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         for (name, keys, command) in [
             ("Open folder…", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
             ("Open file…", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
-            ("Open path…", "", Command::File(FileCommand::TypePath(Purpose::OpenFile))),
             ("Load settings…", "", Command::File(FileCommand::AskPath(Purpose::LoadSettings))),
-            ("Load settings from path…", "", Command::File(FileCommand::TypePath(Purpose::LoadSettings))),
-            ("Open edits from path…", "", Command::File(FileCommand::TypePath(Purpose::LoadEdits))),
+            ("Open edits…", "", Command::File(FileCommand::AskPath(Purpose::LoadEdits))),
         ] {
             if ui.add(item(name, keys)).accessible_name(name).clicked() {
                 commands.push(command);
@@ -106,10 +104,10 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
             ("Copy picture", "", shown, Command::Share(ShareCommand::CopyPicture(FigureOf::Live))),
             ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
+            ("Copy as command line", "", opened, Command::File(FileCommand::CopyCommandLine)),
             ("Save session…", "", opened, Command::File(FileCommand::AskPath(Purpose::SaveSession))),
             ("Save settings…", "", true, Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
-            ("Save settings to path…", "", true, Command::File(FileCommand::TypePath(Purpose::SaveSettings))),
-            ("Save edits to path…", "", opened, Command::File(FileCommand::TypePath(Purpose::SaveEdits))),
+            ("Save edits…", "", opened, Command::File(FileCommand::AskPath(Purpose::SaveEdits))),
         ] {
             let button = ui
                 .add_enabled(enabled, item(name, keys))

@@ -77,19 +77,36 @@ pub(super) fn entries(state: &State) -> Vec<PaletteEntry> {
         )
     });
     entries.extend(choices(state));
+    // Where no file dialog appears, or a path is at hand.
+    entries.extend(TYPED.map(|purpose| {
+        PaletteEntry::new(purpose.typed_entry().to_owned(), "", Command::File(FileCommand::TypePath(purpose)))
+    }));
     entries.extend(settings(turns));
     entries
 }
 
+/// What paths are typed for, beside the dialog of all ways out.
+const TYPED: [Purpose; 9] = [
+    Purpose::OpenFile,
+    Purpose::SaveSession,
+    Purpose::SaveSettings,
+    Purpose::LoadSettings,
+    Purpose::SaveEdits,
+    Purpose::LoadEdits,
+    Purpose::SavePath,
+    Purpose::LoadPath,
+    Purpose::OpenPictures,
+];
+
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
+fn fixed_commands() -> [(&'static str, &'static str, Command); 51] {
     [
         ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
         ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
-        ("Open path", "", Command::File(FileCommand::TypePath(Purpose::OpenFile))),
         ("Save settings", "", Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
         ("Load settings", "", Command::File(FileCommand::AskPath(Purpose::LoadSettings))),
         ("Save edits", "", Command::File(FileCommand::AskPath(Purpose::SaveEdits))),
+        ("Copy as command line", "", Command::File(FileCommand::CopyCommandLine)),
         ("Save session", "", Command::File(FileCommand::AskPath(Purpose::SaveSession))),
         ("Open edits", "", Command::File(FileCommand::AskPath(Purpose::LoadEdits))),
         ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
@@ -121,6 +138,7 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
         ("Forward to the next view", "Alt+Right", Command::View(ViewCommand::Forward)),
         ("Center view on the selection, or the selected pixel", "F", Command::View(ViewCommand::FramePoint)),
         ("Add key to the camera path", "K", Command::Path(PathCommand::AddKey)),
+        ("Camera path: turntable around the pivot", "", Command::Path(PathCommand::TurnAround)),
         ("Recompute the whole capture", "", Command::Recompute),
         ("Run a sweep", "", Command::Chart(ChartCommand::Ask(Some(Study::Sweep)))),
         ("Run a stress test", "", Command::Chart(ChartCommand::Ask(Some(Study::Stress)))),

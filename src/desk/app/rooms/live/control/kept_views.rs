@@ -14,8 +14,8 @@ impl OverlookApp {
             KeptViewCommand::Keep => {
                 let name = next_name(kept);
                 let Some(view) = self.view_address() else { return };
-                self.state.doc.kept_views.push(KeptView { name, view, picture: None });
-                self.picture_kept_views();
+                self.state.doc.kept_views.push(KeptView { name, view });
+                self.picture_view();
             }
             KeptViewCommand::GoTo(index) => {
                 let Some((scene, kept)) = self.state.doc.scene.clone().zip(kept.get(index)) else { return };
@@ -35,23 +35,20 @@ impl OverlookApp {
         }
     }
 
-    /// Gives kept views that are shown and have no picture yet a small one.
-    pub(super) fn picture_kept_views(&mut self) {
+    /// Gives the view that is shown a small picture, where it is one that has one.
+    pub(crate) fn picture_view(&mut self) {
         let state = &self.state;
-        if state.doc.live_carried.is_some() || state.doc.kept_views.iter().all(|kept| kept.picture.is_some())
-        {
+        let (Some(shown), None) = (&state.doc.live_shown, &state.doc.live_carried) else { return };
+        let here = &shown.key.vantage;
+        if here.frame != state.timeline.frame || !state.looks_from(&here.camera) {
             return;
         }
-        let here = state.doc.live_shown.as_ref().map(|shown| &shown.key.vantage);
-        let is_here =
-            here.is_some_and(|here| here.frame == state.timeline.frame && state.looks_from(&here.camera));
-        let Some((view, picture)) = self.view_address().zip(state.shown_picture()).filter(|_| is_here) else {
+        let Some((view, picture)) = self.view_address().zip(state.shown_picture()) else { return };
+        let wanted = state.pictured_views();
+        if state.doc.view_pictures.of(&view).is_some() || !wanted.contains(&view) {
             return;
-        };
-        let picture = smaller(picture);
-        let kept = self.state.doc.kept_views.iter_mut();
-        for kept in kept.filter(|kept| kept.picture.is_none() && kept.view == view) {
-            kept.picture = Some(self.ctx.load_texture("kept view", picture.clone(), TextureOptions::LINEAR));
         }
+        let picture = self.ctx.load_texture("view", smaller(picture), TextureOptions::LINEAR);
+        self.state.doc.view_pictures.keep(view, picture, &wanted);
     }
 }

@@ -32,7 +32,7 @@ impl OverlookApp {
         };
         self.state.doc.live_carried = carried;
         self.state.doc.live_shown = texture.map(|texture| ShownPicture { key, picture, texture });
-        self.picture_kept_views();
+        self.picture_view();
     }
 
     /// Takes in the live picture as `camera` sees it, unless that was painted in the meantime.

@@ -8,7 +8,7 @@ use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::live::model::{FLY_SPEEDS, HoleDisplay, OrbitCamera, ViewCommand};
 use crate::app::rooms::path::control::key_of;
 use crate::app::rooms::source::model::PictureZoom;
-use overlook_engine::capture::transforms::{PathView, path_from_json, path_to_json};
+use overlook_engine::capture::transforms::{Easing, PathView, path_from_json, path_to_json};
 use overlook_engine::settings::{Fill, RenderSettings};
 
 /// Bytes of a copied view that are read at most: thousands of times what one takes.
@@ -119,7 +119,7 @@ impl OverlookApp {
         let camera = orbit.camera(orbit.lens.width, orbit.lens.height);
         let frame_number = scene.frame_numbers.get(self.state.timeline.frame).copied().unwrap_or_default();
         let view = PathView { camera, frame_number, is_key: true };
-        match path_to_json(self.state.up_in_world(), &[view]) {
+        match path_to_json(self.state.up_in_world(), &[view], Easing::Linear) {
             Ok(text) => {
                 self.ctx.copy_text(text);
                 self.state.notify(

@@ -1,4 +1,4 @@
-//! Views that somebody keeps to come back to: where from and when, a name, and a small picture.
+//! Views that somebody keeps to come back to: where from and when, and a name; and small pictures of views.
 
 use egui::TextureHandle;
 
@@ -8,8 +8,23 @@ use crate::address::ViewAddress;
 pub(crate) struct KeptView {
     pub name: String,
     pub view: ViewAddress,
-    /// What it showed; `None` until that is painted.
-    pub picture: Option<TextureHandle>,
+}
+
+/// What views showed, small: of kept views, and of the keys of the camera path. A view has a picture once it was painted.
+#[derive(Default)]
+pub(crate) struct ViewPictures(Vec<(ViewAddress, TextureHandle)>);
+
+impl ViewPictures {
+    /// The picture of a view.
+    pub(crate) fn of(&self, view: &ViewAddress) -> Option<&TextureHandle> {
+        self.0.iter().find(|(known, _)| known == view).map(|(_, picture)| picture)
+    }
+
+    /// Takes the picture of a view; of views that are not `wanted` none stays.
+    pub(crate) fn keep(&mut self, view: ViewAddress, picture: TextureHandle, wanted: &[ViewAddress]) {
+        self.0.retain(|(known, _)| *known != view && wanted.contains(known));
+        self.0.push((view, picture));
+    }
 }
 
 /// The name of the next view: its number, the first that none has.

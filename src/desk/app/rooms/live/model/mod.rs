@@ -8,6 +8,7 @@ pub(crate) mod orbit_camera;
 pub(crate) mod picture;
 pub(crate) mod pose;
 pub(crate) mod seen_picture;
+mod view_addresses;
 pub(crate) mod view_history;
 pub(crate) mod view_look;
 

@@ -20,7 +20,7 @@ use overlook_engine::settings::RenderSettings;
 use overlook_engine::store::playback::Playback;
 
 /// What the colors of the right view mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum ColorBy {
     Picture,
     Camera,
@@ -51,7 +51,7 @@ impl ColorBy {
 }
 
 /// How the live view shows pixels that no sample reached.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum HoleDisplay {
     Filled,
     Hatched,

@@ -1,10 +1,10 @@
 //! The views that are kept, each with its picture and its name.
 
-use egui::{Rect, Sense, TextEdit, Ui, vec2};
+use egui::{Rect, Sense, TextEdit, TextureHandle, Ui, vec2};
 use egui_material_icons::icons::{ICON_BOOKMARK_ADD, ICON_DELETE};
 
 use crate::app::model::State;
-use crate::app::rooms::live::model::{KeptView, KeptViewCommand, ViewCommand};
+use crate::app::rooms::live::model::{KeptViewCommand, ViewCommand};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, picture};
 
@@ -20,7 +20,8 @@ pub(super) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewComma
     for (index, kept) in kept.iter().enumerate() {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = space::SMALL;
-            if picture_ui(ui, kept) {
+            let picture = state.doc.view_pictures.of(&kept.view);
+            if view_picture_ui(ui, picture, &kept.name) {
                 sent.push(ViewCommand::Kept(KeptViewCommand::GoTo(index)));
             }
             let mut name = kept.name.clone();
@@ -44,14 +45,14 @@ pub(super) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewComma
     }
 }
 
-/// The picture of a view; true where it was clicked.
-fn picture_ui(ui: &mut Ui, kept: &KeptView) -> bool {
+/// The small picture of a view that is called `name`; true where it was clicked.
+pub(crate) fn view_picture_ui(ui: &mut Ui, shown: Option<&TextureHandle>, name: &str) -> bool {
     let tokens = Tokens::in_ui(ui);
     let (room, response) = ui.allocate_exact_size(PICTURE, Sense::click());
-    let name = format!("Go to {}", kept.name);
+    let name = format!("Go to {name}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
     ui.painter().rect_filled(room, 3.0, tokens.canvas);
-    if let Some(texture) = &kept.picture {
+    if let Some(texture) = shown {
         let size = texture.size_vec2();
         let scale = (room.width() / size.x).min(room.height() / size.y);
         picture(ui.painter(), texture.id(), Rect::from_center_size(room.center(), size * scale));

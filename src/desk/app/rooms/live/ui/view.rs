@@ -15,7 +15,7 @@ use crate::app::rooms::live::model::{HoleDisplay, ViewCommand};
 use crate::app::rooms::live::ui::{go_to, guides};
 use crate::app::rooms::pixel::model::{Spot, verdict_text as words};
 use crate::app::rooms::share::model::FigureOf;
-use crate::app::rooms::share::ui::picture_menu_ui;
+use crate::app::rooms::share::ui::picture_menu::picture_menu_ui;
 use crate::app::rooms::source::ui::view::FOOTER;
 use crate::app::rooms::source::ui::{legend, view as source_view};
 use crate::app::theme::Tokens;

@@ -6,7 +6,7 @@ pub(crate) mod share;
 pub(crate) mod size;
 
 pub(crate) use figure::{DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth};
-pub(crate) use film::ComparedFilm;
+pub(crate) use film::{ComparedFilm, FilmLook};
 pub(crate) use share::{
     PictureFacts, ShareCommand, ShareFacts, ShareKey, ShareOptions, ShareOutcome, SharePreview,
     SharePreviewKey, ShareWay, SharedPictures, ShownPreview,

@@ -24,12 +24,13 @@ pub(crate) enum ShareWay {
     Pictures,
     Figure,
     Points,
+    Cameras,
     Store,
 }
 
 impl ShareWay {
     /// Every way in the order of the dialog: its name, and what it is for.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 7] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 8] = [
         (
             Self::Page,
             "Interactive page",
@@ -56,6 +57,11 @@ impl ShareWay {
             Self::Points,
             "Points",
             "A point cloud with normals, colors and radii as PLY, for programs that measure and mesh.",
+        ),
+        (
+            Self::Cameras,
+            "Cameras",
+            "Pose and lens of every camera as a transforms.json, for other programs and for viewpoints of overlook render --views.",
         ),
         (
             Self::Store,
@@ -105,6 +111,8 @@ pub(crate) struct ShareOptions {
     pub splats_are_bounded: bool,
     pub kilosplats: u64,
     pub pictures: SharedPictures,
+    /// Columns and rows of a picture of this view; `None` for those that are shown.
+    pub picture_size: Option<[u32; 2]>,
     /// How a video or pictures along the camera path show both sides of the comparison; `None` for the samples alone.
     pub compares: Option<FilmComparison>,
     /// Whether pictures are EXR with linear color and depth.
@@ -128,6 +136,7 @@ impl Default for ShareOptions {
             splats_are_bounded: false,
             kilosplats: 500,
             pictures: SharedPictures::default(),
+            picture_size: None,
             compares: None,
             linear: false,
             points_of_all_frames: false,
@@ -152,6 +161,7 @@ impl ShareOptions {
             (ShareWay::Figure, _) => Purpose::ExportFigure,
             (ShareWay::Points, _) if self.points_of_all_frames => Purpose::ExportPointsOfFrames,
             (ShareWay::Points, _) => Purpose::ExportPoints,
+            (ShareWay::Cameras, _) => Purpose::SaveCameras,
             (ShareWay::Store, _) => Purpose::SaveStore,
         }
     }

@@ -23,6 +23,9 @@ const DOME: u64 = 10_000;
 /// Bytes of a point: place, normal, radius and color; and of one whose place is in double precision.
 const POINT: [f64; 2] = [31.0, 43.0];
 
+/// Bytes of a camera in a manifest.
+const CAMERA: f64 = 850.0;
+
 /// Bytes of a video for each byte of its pictures as PNG, measured with x264 at a quality like that of ours, on videos from one camera to
 /// the next (0.06 to 0.1).
 const FILM_BY_PNG: f64 = 0.075;
@@ -101,7 +104,7 @@ impl State {
             return ShareSize::missing("nothing open");
         }
         let needs_picture = matches!(way, ShareWay::Film | ShareWay::Pictures | ShareWay::Figure);
-        if !self.is_whole_ready() && !needs_picture {
+        if !self.is_whole_ready() && !needs_picture && way != ShareWay::Cameras {
             return ShareSize::missing("once it is pruned");
         }
         let Some(facts) = &self.share.facts else { return ShareSize::missing("measuring…") };
@@ -113,6 +116,10 @@ impl State {
             ShareWay::Pictures => self.pictures(facts, options),
             ShareWay::Figure => self.figure(facts, options),
             ShareWay::Points => self.points(facts, options),
+            ShareWay::Cameras => {
+                let cameras = self.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+                ShareSize::about(cameras as f64 * CAMERA, counted(cameras, "camera"))
+            }
             ShareWay::Store => {
                 let each = facts.store_bytes / facts.samples.max(1) as f64;
                 ShareSize::about(facts.store_bytes, samples_at(facts.samples, each))
@@ -143,6 +150,12 @@ impl State {
         let is_path = options.pictures == SharedPictures::CameraPath;
         let is_compared = is_path && options.compares.is_some();
         let whole = if options.linear && !is_compared { picture.exr_bytes } else { picture.png_bytes };
+        if let Some([width, height]) =
+            options.picture_size.filter(|_| options.pictures == SharedPictures::View)
+        {
+            let size = whole / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
+            return ShareSize::about(size, format!("a picture of {width}×{height}"));
+        }
         if !is_path {
             return ShareSize::about(whole, "as the live view shows it".to_owned());
         }

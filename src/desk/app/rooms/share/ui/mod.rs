@@ -5,4 +5,3 @@ pub(crate) mod panel;
 pub(crate) mod picture_menu;
 
 pub(crate) use panel::share_ui;
-pub(crate) use picture_menu::picture_menu_ui;

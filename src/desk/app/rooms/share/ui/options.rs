@@ -2,10 +2,10 @@
 
 use egui::{DragValue, Grid, RichText, TextEdit, Ui};
 
-use crate::app::model::{Command, Commands, State};
+use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::edits::model::EditCommand;
 use crate::app::rooms::live::model::HoleDisplay;
-use crate::app::rooms::path::ui::size_ui;
+use crate::app::rooms::path::ui::{length_ui, size_ui, still_ui};
 use crate::app::rooms::share::model::{
     DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
 };
@@ -71,6 +71,7 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
             *all = segments_ui(ui, "Points of", *all, POINTS).unwrap_or(*all);
             ui.end_row();
         }
+        ShareWay::Cameras => cameras_ui(ui, state),
         ShareWay::Store => store_ui(ui, state),
     });
     match options.way {
@@ -94,6 +95,11 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions,
             let passes_time = keys.first().map(|key| key.frame) < keys.last().map(|key| key.frame);
             note(ui, if passes_time { PATH } else { NO_PATH });
         }
+        ShareWay::Film => {
+            look_ui(ui, state, options);
+            still_ui(ui, state);
+        }
+        ShareWay::Pictures if options.pictures == SharedPictures::CameraPath => look_ui(ui, state, options),
         _ => {}
     }
 }
@@ -155,6 +161,11 @@ fn film_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mu
         weak(ui, format!("{keys}, {}", counted(state.film_pictures(), "picture")));
     });
     ui.end_row();
+    if state.doc.path.pictures() > 0 {
+        ui.label("Length");
+        length_ui(ui, state, commands);
+        ui.end_row();
+    }
 }
 
 /// What a film shows: the samples, or both sides of the comparison.
@@ -173,9 +184,18 @@ fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
     }
 }
 
+/// Says that pictures along the camera path show what the live view shows, where that is not plain.
+fn look_ui(ui: &mut Ui, state: &State, options: &ShareOptions) {
+    if let (Some(look), None) = (state.film_look(), options.compares) {
+        let linear = options.way == ShareWay::Pictures && options.linear;
+        let but = if linear { " EXR keeps linear color." } else { "" };
+        note(ui, format!("Shown as in the live view: {look}.{but}"));
+    }
+}
+
 fn picture_size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.label("Size");
-    ui.horizontal(|ui| size_ui(ui, state.export_size(), commands));
+    ui.horizontal(|ui| size_ui(ui, state, commands));
     ui.end_row();
 }
 
@@ -196,6 +216,43 @@ fn pictures_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands:
     }
     if is_path {
         picture_size_ui(ui, state, commands);
+    }
+    if options.pictures == SharedPictures::View {
+        view_size_ui(ui, state, options);
+    }
+}
+
+const VIEW_SIZE: &str =
+    "Columns and rows of the picture. What the view shows fits inside; it is rendered as finely.";
+
+/// Columns and rows of a picture of this view, or percent of what is shown.
+fn view_size_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
+    let shown = state.doc.live_shown.as_ref().map(|shown| shown.picture.size.map(|side| side as u32));
+    let shown = shown.unwrap_or(state.live.size);
+    let before = options.picture_size.unwrap_or(shown);
+    let mut size = before;
+    ui.label("Size");
+    ui.horizontal(|ui| {
+        let [width, height] = &mut size;
+        for (name, separator, side) in [("Columns", "×", width), ("Rows", "", height)] {
+            let drag = DragValue::new(side).range(SIDES).speed(2.0).update_while_editing(false);
+            ui.add(drag).on_hover_text(VIEW_SIZE).accessible_name(name);
+            ui.label(separator);
+        }
+        let mut percent = 100.0 * f64::from(before[0]) / f64::from(shown[0].max(1));
+        let drag = DragValue::new(&mut percent).range(1.0..=1600.0).max_decimals(0).suffix(" %");
+        let field = ui.add(drag.update_while_editing(false)).on_hover_text("Of what is shown.");
+        if field.accessible_name("Percent of what is shown").changed() {
+            let side = |side: u32| (f64::from(side) * percent / 100.0).round() as u32;
+            size = shown.map(|shown| side(shown).clamp(*SIDES.start(), *SIDES.end()));
+        }
+        if options.picture_size.is_some() && ui.button("As shown").clicked() {
+            size = shown;
+        }
+    });
+    ui.end_row();
+    if size != before {
+        options.picture_size = (size != shown).then_some(size);
     }
 }
 
@@ -262,6 +319,14 @@ fn hidden_cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::Edit(EditCommand::LeaveOut(hidden)));
         }
     }
+}
+
+fn cameras_ui(ui: &mut Ui, state: &State) {
+    ui.label("Holds");
+    let cameras = state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+    let poses = if state.current_whole().is_some() { "posed as pruned" } else { "posed as in the capture" };
+    ui.label(format!("{}, {poses}", counted(cameras, "camera")));
+    ui.end_row();
 }
 
 fn store_ui(ui: &mut Ui, state: &State) {

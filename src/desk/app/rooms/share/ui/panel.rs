@@ -201,6 +201,7 @@ fn action(way: ShareWay) -> &'static str {
         ShareWay::Pictures => "Save pictures…",
         ShareWay::Figure => "Save the figure…",
         ShareWay::Points => "Save the points…",
+        ShareWay::Cameras => "Save the cameras…",
         ShareWay::Store => "Save the store…",
     }
 }

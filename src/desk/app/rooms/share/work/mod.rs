@@ -3,6 +3,7 @@
 pub(crate) mod compared_film;
 pub(crate) mod facts;
 pub(crate) mod figures;
+pub(crate) mod looked_film;
 pub(crate) mod preview;
 pub(crate) mod sharing;
 

@@ -5,9 +5,13 @@ use std::sync::Arc;
 
 use crate::app::model::{Message, bytes, count_of, significant};
 use crate::app::rooms::colors::work::developed;
+use crate::app::rooms::files::work::files::save_picture;
+use crate::app::rooms::live::model::{LiveKey, PixelSource};
+use crate::app::rooms::live::work::image as live_image;
+use crate::app::rooms::live::work::shown_samples::CameraFilter;
 use crate::app::rooms::path::model::{Exported, NO_KEYS};
 use crate::app::rooms::share::model::FigureOptions;
-use crate::app::rooms::share::work::{compared_film, figures};
+use crate::app::rooms::share::work::{compared_film, figures, looked_film};
 use crate::app::work::requests::{Export, ExportRequest, FigureExport, PathExport};
 use crate::points;
 use overlook_engine::error::{Error, Result};
@@ -41,6 +45,11 @@ pub(crate) fn export(
         Export::Page(options) => write_page(path, source, options, job)?,
         Export::Splats { options, frame } => write_splats(path, source, options, *frame, job)?,
         Export::Figure(figure) => write_figure(path, figure, job)?,
+        Export::View(key) => {
+            let (said, used) = write_view(path, key, job)?;
+            notice = used;
+            said
+        }
         Export::CopyFigure(figure) => {
             let (figure, options) = drawn(figure, job)?;
             return Ok(Message::FigureDrawn {
@@ -109,6 +118,19 @@ fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String>
     let (figure, options) = drawn(figure, job)?;
     let written = figures::write(path, &figure)?;
     Ok(format!("a figure of {} mm, {}", significant(options.width_mm()), bytes(written)))
+}
+
+/// Writes what the live view shows, in the size of the key's viewpoint. Gives what was written, and why the renderer of the settings
+/// was not used.
+fn write_view(path: &Path, key: &LiveKey, job: &Job) -> Result<(String, Option<String>)> {
+    job.start("Rendering the picture", 0);
+    let painted = live_image::paint(&mut Renderer::new(), &mut CameraFilter::default(), key, job)?;
+    let PixelSource::InMemory { image, rendered } = &painted.pixels else {
+        return Err(Error::unsupported("picture", "it stays on the GPU; set render.backend to cpu"));
+    };
+    save_picture(path, image, rendered, &key.display)?;
+    let [width, height] = painted.size;
+    Ok((format!("a picture of {width}×{height}"), painted.notice))
 }
 
 /// A folder that goes when it is dropped.
@@ -183,12 +205,15 @@ fn write_path(
     let Some(first) = vantages.first() else { return Err(Error::invalid("camera path", NO_KEYS)) };
     let mut renderer = Renderer::new();
     let rate = export.target.film_rate.unwrap_or(PICTURES_A_SECOND);
-    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| match compared {
-        Some(compared) => compared_film::paint(compared, source, vantages, rate, threads, job, take),
-        None => film::paint(source, vantages, None, &mut renderer, &export.settings, job, take),
+    let (linear, look) = (export.target.linear, export.look.as_ref().filter(|_| compared.is_none()));
+    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| match (compared, look) {
+        (Some(compared), _) => compared_film::paint(compared, source, vantages, rate, threads, job, take),
+        (None, Some(look)) => looked_film::paint(look, source, vantages, linear, &mut renderer, job, take),
+        (None, None) => film::paint(source, vantages, None, &mut renderer, &export.settings, job, take),
     };
-    // The sides of a comparison are as they are displayed.
-    let developed = |picture: &Picture| developed(&export.display, picture).filter(|_| compared.is_none());
+    // The sides of a comparison are as they are displayed, and so is what the live view shows.
+    let is_plain = compared.is_none() && look.is_none();
+    let developed = |picture: &Picture| is_plain.then(|| developed(&export.display, picture)).flatten();
     if export.target.film_rate.is_some() {
         let size = match compared {
             Some(compared) => compared_film::size(compared, first)?,
@@ -200,7 +225,7 @@ fn write_path(
     } else {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
         paint(&mut |nth, picture| {
-            if export.target.linear {
+            if linear {
                 return write_exr(&path.join(format!("{:04}.exr", nth + 1)), picture);
             }
             let file = path.join(format!("{:04}.png", nth + 1));

@@ -9,7 +9,7 @@ use overlook_engine::grid::Grid;
 use overlook_engine::preprocess::inspect::FrameInspection;
 
 /// What the left view shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) enum Overlay {
     #[default]
     Color,

@@ -14,7 +14,7 @@ use crate::app::rooms::edits::ui::drawing::{Drawn, PicturePlace};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::pixel::model::{PixelCommand, Spot, verdict_text as words};
 use crate::app::rooms::share::model::FigureOf;
-use crate::app::rooms::share::ui::picture_menu_ui;
+use crate::app::rooms::share::ui::picture_menu::picture_menu_ui;
 use crate::app::rooms::source::model::{Legend, Overlay, PictureZoom, SourceCommand};
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::Tokens;

@@ -1,17 +1,20 @@
-//! The camera path: keys, playing, and pictures of it.
+//! The camera path: what is done with it, above its keys.
 
-use egui::{DragValue, Grid, RichText, ScrollArea, Ui};
-use egui_material_icons::icons::{ICON_DELETE, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW, ICON_UPDATE};
+use egui::{Button, DragValue, ScrollArea, Ui};
+use egui_material_icons::icons::{ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW};
 
-use crate::app::model::{Command, Commands, SIDES, State, significant};
+use super::keys::keys_ui;
+use super::way::{turntable_ui, way_ui};
+use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
-use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::path::model::{MOST_ON_A_LEG, PathCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
-use crate::app::widgets::{empty_ui, icon_button, weak};
+use crate::app::widgets::{empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
 
 /// Columns and rows of exported pictures.
-pub(crate) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
+pub(crate) fn size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let size = state.export_size();
     let mut chosen = size;
     let [width, height] = &mut chosen;
     for (name, separator, side) in [("Picture width", "×", width), ("Picture height", "", height)] {
@@ -19,10 +22,25 @@ pub(crate) fn size_ui(ui: &mut Ui, size: [u32; 2], commands: &mut Commands) {
         ui.add(drag).on_hover_text(SIZE).accessible_name(name);
         ui.label(separator);
     }
+    ui.menu_button("Sizes", |ui| {
+        let offered = state.offered_sizes();
+        for (nth, [width, height]) in offered.into_iter().enumerate() {
+            let name = if nth == 0 { "Largest camera: " } else { "" };
+            let button = ui.button(format!("{name}{width}×{height}"));
+            // Twice as fine as recorded is as fine as the live view gets.
+            let help = if width > 2 * offered[0][0] { FINER } else { SHAPE };
+            if button.on_hover_text(help).clicked() {
+                chosen = [width, height];
+            }
+        }
+    });
     if chosen != size {
         commands.push(Command::Path(PathCommand::PictureSize(chosen)));
     }
 }
+
+const SHAPE: &str = "In the shape of the largest camera's pictures.";
+const FINER: &str = "More than twice as fine as the capture, which shows no more of it.";
 
 const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
@@ -35,10 +53,21 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if ui.button("Add key here (K)").clicked() {
                 commands.push(Command::Path(PathCommand::AddKey));
             }
+            turntable_ui(ui, state, commands);
             path_file_ui(ui, false, commands);
         });
         return;
     }
+    // Low panels show the keys below the controls.
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        controls_ui(ui, state, commands);
+        way_ui(ui, state, commands);
+        still_ui(ui, state);
+        keys_ui(ui, state, commands);
+    });
+}
+
+fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let rows: &[&[PathControls]] = match ui.available_width() {
         width if width > ONE_ROW => {
             &[&[PathControls::Keys, PathControls::Pace, PathControls::Size, PathControls::File]]
@@ -49,13 +78,12 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         _ => &[&[PathControls::Keys], &[PathControls::Pace], &[PathControls::Size], &[PathControls::File]],
     };
     for row in rows {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for part in *row {
                 part_ui(ui, state, *part, commands);
             }
         });
     }
-    keys_ui(ui, state, commands);
 }
 
 /// Controls above the keys, in rows as wide as the panel.
@@ -68,15 +96,15 @@ enum PathControls {
 }
 
 /// Widths from which on all controls fit into one row and into two.
-const ONE_ROW: f32 = 785.0;
-const TWO_ROWS: f32 = 430.0;
+const ONE_ROW: f32 = 890.0;
+const TWO_ROWS: f32 = 480.0;
 
 fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
     let path = &state.doc.path;
     let ready = path.pictures() > 0;
     match part {
         PathControls::Keys => {
-            if ui.button("Add key here (K)").clicked() {
+            if ui.button("Add key here (K)").on_hover_text(ADD).clicked() {
                 commands.push(Command::Path(PathCommand::AddKey));
             }
             let is_playing = path.playing.is_some();
@@ -90,18 +118,18 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
         PathControls::Pace => {
             ui.label("Frames per segment");
             let mut pictures = path.pictures_per_leg;
-            let drag = DragValue::new(&mut pictures).range(1..=2000);
+            let drag = DragValue::new(&mut pictures).range(1..=MOST_ON_A_LEG);
             if ui.add(drag).accessible_name("Frames per segment").changed() {
                 commands.push(Command::Path(PathCommand::PicturesPerLeg(pictures)));
             }
             if ready {
-                let seconds = path.pictures() as f64 / f64::from(state.timeline.frames_per_second);
-                weak(ui, format!("{} s", significant(seconds))).on_hover_text("Length of the path.");
+                ui.label("Length");
+                length_ui(ui, state, commands);
             }
         }
         PathControls::Size => {
             ui.label("Size");
-            size_ui(ui, state.export_size(), commands);
+            size_ui(ui, state, commands);
         }
         PathControls::File => {
             path_file_ui(ui, ready, commands);
@@ -112,17 +140,40 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
     }
 }
 
+/// How long the film of the path is.
+pub(crate) fn length_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let mut seconds = state.doc.path.seconds(f64::from(state.timeline.frames_per_second));
+    let drag = DragValue::new(&mut seconds).range(0.1..=3600.0).speed(0.05).max_decimals(2).suffix(" s");
+    let field = ui.add(drag.update_while_editing(false)).on_hover_text(LENGTH);
+    if field.accessible_name("Length of the film").changed() {
+        commands.push(Command::Path(PathCommand::Seconds(seconds)));
+    }
+}
+
+const LENGTH: &str = "Seconds of the film. Each segment gets as many whole frames as come nearest to it.";
+
+/// Says that time stands still along the path, where it does.
+pub(crate) fn still_ui(ui: &mut Ui, state: &State) {
+    if let Some(frame) = state.doc.path.only_frame().filter(|_| state.has_time()) {
+        let number = frame + 1;
+        note(
+            ui,
+            format!(
+                "Time stands still in the film: all keys lie at frame {number}. Drag keys along the time bar to let it pass."
+            ),
+        );
+    }
+}
+
 /// The path's file.
 fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
     ui.menu_button("Path file…", |ui| {
         for (name, needs_path, command) in [
             ("Save camera path…", true, Command::File(FileCommand::AskPath(Purpose::SavePath))),
-            ("Save camera path to path…", true, Command::File(FileCommand::TypePath(Purpose::SavePath))),
             ("Open camera path…", false, Command::File(FileCommand::AskPath(Purpose::LoadPath))),
-            ("Open camera path from path…", false, Command::File(FileCommand::TypePath(Purpose::LoadPath))),
             ("Remove all keys", true, Command::Path(PathCommand::Clear)),
         ] {
-            let button = ui.add_enabled(ready || !needs_path, egui::Button::new(name));
+            let button = ui.add_enabled(ready || !needs_path, Button::new(name));
             if button.on_hover_text(PATH_FILE).clicked() {
                 commands.push(command);
             }
@@ -130,42 +181,8 @@ fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
     });
 }
 
+const ADD: &str = "The view becomes a key behind the selected one.";
+
 const SHARE: &str = "A video or pictures along the path.";
 
 const PATH_FILE: &str = "A transforms.json of every picture of the path with its keys marked, as render --views takes. Opening one adds its keys.";
-
-/// Width from which on there is room for the position of a key.
-const ROOMY: f32 = 390.0;
-
-fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let keys = &state.doc.path.keys;
-    let is_roomy = ui.available_width() > ROOMY;
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
-            for (index, key) in keys.iter().enumerate() {
-                let number = index + 1;
-                let at = key.orbit.world_from_camera.translation;
-                let place = format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z);
-                let help = format!("Go to this key, at {place}");
-                if ui.button(format!("Key {number}")).on_hover_text(help).clicked() {
-                    commands.push(Command::Path(PathCommand::GoToKey(index)));
-                }
-                if is_roomy {
-                    ui.label(RichText::new(place).monospace());
-                }
-                weak(ui, format!("frame {}", key.frame + 1));
-                ui.horizontal(|ui| {
-                    let here = format!("Set key {number} to the current view");
-                    if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
-                        commands.push(Command::Path(PathCommand::ReplaceKey(index)));
-                    }
-                    let remove = format!("Remove key {number}");
-                    if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
-                        commands.push(Command::Path(PathCommand::RemoveKey(index)));
-                    }
-                });
-                ui.end_row();
-            }
-        });
-    });
-}
