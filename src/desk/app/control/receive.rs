@@ -54,6 +54,7 @@ impl OverlookApp {
             Message::Stressed { point, known, .. } => state.doc.charts.add_stressed(*point, known),
             Message::Studied { left, .. } => self.studied(left),
             Message::FigureDrawn { image, width_mm } => self.figure_drawn(image, width_mm),
+            Message::ChartDrawn { study, image } => self.chart_drawn(study, image),
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
             Message::PathLoaded { path, views, .. } => self.path_loaded(&path, &views),

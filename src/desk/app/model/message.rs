@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::app::model::results::{Accuracy, CameraMemory, Inspected};
 use crate::app::model::scene::OpenScene;
 use crate::app::model::work_kind::WorkKind;
+use crate::app::rooms::charts::model::study::Study;
 use crate::app::rooms::colors::model::value_look::FrameValues;
 use crate::app::rooms::compare::model::comparison::{CompareKey, PictureDifference};
 use crate::app::rooms::edits::model::edits::{EditKey, EditedScene};
@@ -123,6 +124,11 @@ pub(crate) enum Message {
     FigureDrawn {
         image: egui::ColorImage,
         width_mm: f64,
+    },
+    /// The chart of a study for the clipboard.
+    ChartDrawn {
+        study: Study,
+        image: egui::ColorImage,
     },
     /// What is shared is written.
     Exported {

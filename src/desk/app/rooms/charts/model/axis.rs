@@ -40,6 +40,26 @@ impl Quantity {
         format!("{} ({better} is better)", self.name())
     }
 
+    /// Its name for an axis on paper, whose numbers have no unit of their own.
+    pub(super) fn name_on_paper(self) -> String {
+        let unit = match self {
+            Self::Bytes => ", MB",
+            Self::Samples => ", thousands",
+            _ => "",
+        };
+        self.axis_name().replacen(self.name(), &format!("{}{unit}", self.name()), 1)
+    }
+
+    /// Its value in the unit of [`Self::name_on_paper`].
+    pub(super) fn on_paper(self, point: &Point) -> f64 {
+        let unit = match self {
+            Self::Bytes => 1e6,
+            Self::Samples => 1e3,
+            _ => 1.0,
+        };
+        self.value(point) / unit
+    }
+
     pub(crate) fn is_gain(self) -> bool {
         matches!(self, Self::Psnr | Self::Ssim | Self::Coverage)
     }

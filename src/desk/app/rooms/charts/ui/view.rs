@@ -7,15 +7,15 @@ use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
 use super::parts::{
-    HINT, Mark, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape, study_button,
-    tick_values,
+    HINT, Mark, chart_buttons_ui, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape,
+    study_button, tick_values,
 };
 use crate::app::camera_cues;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::model::{
-    ChartCommand, Charts, Quantity, ShownAxis, Study, TICKS, coordinate, method_name, place, point_name,
-    series_name, settings_alone,
+    ChartCommand, Charts, FRONT, Quantity, ShownAxis, Study, TICKS, coordinate, kernel_name, method_name,
+    place, point_name, series_name, settings_alone,
 };
 use crate::app::rooms::report::model::Table;
 use crate::app::rooms::settings::model::{SettingsCommand, setting_names};
@@ -27,8 +27,7 @@ use overlook_lab::chart::{ChartSeries, Marker, Scale, series};
 use overlook_lab::stress::{StressPlan, StressPoint, distinct};
 use overlook_lab::sweep::{Point, Series};
 
-/// Names of the line and of the ring in the chart.
-const FRONT: &str = "Pareto front";
+/// Name of the ring in the chart.
 const CURRENT: &str = "current";
 
 pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
@@ -55,9 +54,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, CURRENT)];
     let lines = &lines[..=usize::from(current.is_some())];
     legend_ui(ui, charts, Study::Sweep, colors.chain(shapes).chain(lines.iter().copied()), commands);
-    let is_shown = |point: &&Point| {
-        shows(series_name(point.series)) && shows(&kernel_name(point.settings.render.kernel))
-    };
+    let is_shown = |point: &&Point| charts.shows_point(point);
     let shown: Vec<&Point> = charts.sweep.iter().filter(is_shown).collect();
     let placed: Vec<_> = shown.iter().filter_map(|point| Some((*point, place(axes, point)?))).collect();
     let places: Vec<_> = placed.iter().map(|(_, place)| *place).collect();
@@ -96,10 +93,6 @@ fn kernel_color(kernel: Kernel) -> Color32 {
     camera_cues::color(Kernel::ALL.iter().position(|of| *of == kernel).unwrap_or(0))
 }
 
-fn kernel_name(kernel: Kernel) -> String {
-    setting_names::choice("render.kernel", kernel.name())
-}
-
 /// What is along and up, and the button that measures.
 fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let axes = state.doc.charts.axes();
@@ -117,6 +110,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         }
         study_button(ui, state, Study::Sweep, commands);
+        chart_buttons_ui(ui, Study::Sweep, commands);
         table_buttons_ui(ui, Table::Sweep, commands);
     });
 }
@@ -202,6 +196,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
             commands.push(Command::Chart(ChartCommand::DialScale(scale)));
         }
         study_button(ui, state, Study::Stress, commands);
+        chart_buttons_ui(ui, Study::Stress, commands);
         table_buttons_ui(ui, Table::StressTest, commands);
     });
     if let Some(words) = charts.stale_stress_note(&state.settings) {
