@@ -32,6 +32,15 @@ fn the_tables_of_pixel_matrix_and_cameras_are_copied_with_a_line_of_names() {
     let agreement = copied_table(&mut window, "matrix of agreement");
     assert!(agreement[0].starts_with("camera,against,what,samples,"), "{agreement:?}");
     assert!(agreement.iter().any(|line| line.starts_with("front,left,static,")), "{agreement:?}");
+    open_view(&mut window, "Memory");
+    settle(&mut window);
+    let memory = copied_table(&mut window, "memory table");
+    assert_eq!(memory[0], "camera,samples,bytes_of_several_frames,bytes_of_one_frame,bytes");
+    assert_eq!(memory.len(), 4, "{memory:?}");
+    open_view(&mut window, "Time");
+    let spans = copied_table(&mut window, "span table");
+    assert_eq!(spans[0], "first_frame,last_frame,frames,samples");
+    assert!(spans.len() > 1 && spans.iter().skip(1).all(|line| line.split(',').count() == 4), "{spans:?}");
     open_view(&mut window, "Report");
     window.get_by_label("Copy CSV of the camera table").scroll_to_me();
     window.run_steps(3);

@@ -4,11 +4,12 @@ use egui::{ScrollArea, Ui};
 use egui_material_icons::icons::ICON_MEMORY;
 
 use super::panel::{SHARE_BAR, SHARE_ROW, stale_ui, tall_share_ui};
-use crate::app::model::{CameraMemory, State};
-use crate::app::widgets::{empty_ui, note};
+use crate::app::model::{CameraMemory, Commands, State};
+use crate::app::rooms::report::model::Table;
+use crate::app::widgets::{empty_ui, note, table_buttons_ui};
 use crate::app::{camera_cues, model};
 
-pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn memory_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let (Some(scene), Some(cameras)) = (&state.doc.scene, &state.doc.memory) else {
         let (title, text) = if state.doc.scene.is_none() || state.has_capture() {
             ("No samples yet", "What the kept samples take is known once the whole capture is pruned.")
@@ -24,7 +25,10 @@ pub(crate) fn memory_ui(ui: &mut Ui, state: &State) {
     let bytes = |camera: &CameraMemory| camera.lasting_bytes + camera.frame_bytes;
     let total: u64 = cameras.iter().map(bytes).sum();
     let words = format!("{} of samples in memory, by camera.", model::bytes(total));
-    note(ui, words);
+    ui.horizontal_wrapped(|ui| {
+        note(ui, words);
+        table_buttons_ui(ui, Table::Memory, commands);
+    });
     stale_ui(ui, state);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let mut order: Vec<usize> = (0..cameras.len().min(scene.cameras.len())).collect();
