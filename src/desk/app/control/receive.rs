@@ -25,7 +25,9 @@ impl OverlookApp {
         match message {
             Message::Opened(scene) => self.opened(&scene),
             Message::Scanned { scan, .. } => self.scanned(scan),
-            Message::Pruned { settings, result, .. } => self.pruned(settings, &result),
+            Message::Pruned { settings, result, read_seconds, .. } => {
+                self.pruned(settings, &result, read_seconds);
+            }
             Message::Inspected { inspected, .. } => {
                 state.doc.inspected = Some(inspected);
                 state.doc.failed_frame = None;
@@ -95,8 +97,9 @@ impl OverlookApp {
         }
     }
 
-    fn pruned(&mut self, settings: Settings, result: &Preprocessed) {
+    fn pruned(&mut self, settings: Settings, result: &Preprocessed, read_seconds: Option<f64>) {
         let state = &mut self.state;
+        state.doc.read_seconds = read_seconds.or(state.doc.read_seconds);
         // As above.
         if state.is_whole_ready() && method_of(&settings) != method_of(&state.settings) {
             return;
@@ -112,10 +115,10 @@ impl OverlookApp {
             state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Matrix));
         }
         let line = format!(
-            "Pruned the capture: {} of {} kept in {} s",
+            "Pruned the capture: {} of {} kept. {}",
             model::count(report.samples_kept),
             model::count_of(report.samples_in, "sample"),
-            model::significant(report.seconds)
+            model::took(read_seconds, report.seconds)
         );
         state.inspector.log(NoticeKind::Done, line);
         state.doc.accuracy = None;

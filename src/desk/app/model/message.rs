@@ -41,6 +41,8 @@ pub(crate) enum Message {
         scene: u64,
         settings: Settings,
         result: Arc<Preprocessed>,
+        /// Seconds that reading all frames took; `None` where they were read before.
+        read_seconds: Option<f64>,
     },
     /// One frame is pruned, with reasons.
     Inspected {

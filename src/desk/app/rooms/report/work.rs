@@ -1,6 +1,7 @@
 //! Prunes the open capture: all of it, or the frame shown.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::app::model::{Inspected, Message};
 use crate::app::work::requests::PruneRequest;
@@ -16,15 +17,18 @@ use overlook_engine::preprocess::pruning::Rule;
 pub(crate) fn prune_whole(request: PruneRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
     let PruneRequest { scene, scan, settings, .. } = request;
     let capture = scene.source()?;
+    let mut read_seconds = None;
     let scan = if let Some(scan) = scan.filter(|scan| scan.serves(&settings)) {
         scan
     } else {
+        let started = Instant::now();
         let scan = preprocess::scan(capture, &settings, job)?;
+        read_seconds = Some(started.elapsed().as_secs_f64());
         outbox.send(Message::Scanned { scene: scene.id, scan: scan.clone() });
         scan
     };
     let result = preprocess::prune(capture, &scan, &settings, job)?;
-    Ok(Message::Pruned { scene: scene.id, settings, result: Arc::new(result) })
+    Ok(Message::Pruned { scene: scene.id, settings, result: Arc::new(result), read_seconds })
 }
 
 /// Prunes one frame, with reasons.

@@ -166,11 +166,13 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
         figures.push(accuracy_figure(state.doc.accuracy, figure));
     }
     if state.has_capture() {
+        let help = "Seconds that pruning the whole capture took.";
+        let took = seconds.map(|pruned| format!("{help} {}.", model::took(state.doc.read_seconds, pruned)));
         figures.push(figure(
             "Pruning",
             true,
             seconds.map(|seconds| [format!("{} s", model::significant(seconds)), String::new()]),
-            "Seconds that pruning the whole capture took.",
+            took.as_deref().unwrap_or(help),
         ));
     }
     figures.push(figure(
