@@ -27,7 +27,7 @@ impl Quantity {
         (Self::Bytes, "Store size", Scale::Log),
         (Self::Samples, "Samples", Scale::Log),
         (Self::Milliseconds, "Rendering a view, ms", Scale::Log),
-        (Self::Seconds, "Pruning, s", Scale::Log),
+        (Self::Seconds, "Reading and pruning, s", Scale::Log),
     ];
 
     pub(crate) fn name(self) -> &'static str {

@@ -286,7 +286,7 @@ mod tests {
         charts.set_axes([Quantity::Psnr, Quantity::Seconds].map(ShownAxis::of));
         let logarithm = 3.0_f64.log10();
         assert_eq!(charts.front(), [[10.0, 0.0], [30.0, logarithm]]);
-        assert_eq!(Quantity::Seconds.axis_name(), "Pruning, s (lower is better)");
+        assert_eq!(Quantity::Seconds.axis_name(), "Reading and pruning, s (lower is better)");
     }
 
     #[test]

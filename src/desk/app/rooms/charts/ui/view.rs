@@ -297,6 +297,6 @@ mod tests {
         (point.seconds_preprocess, point.flip) = (2.5, 0.125);
         let told = words(&point, [Quantity::Seconds, Quantity::Flip]);
         assert!(told.starts_with("Static color range: 4, gather\n"), "{told}");
-        assert!(told.contains("Pruning, s: 2.50\nFLIP: 0.125\n"), "{told}");
+        assert!(told.contains("Reading and pruning, s: 2.50\nFLIP: 0.125\n"), "{told}");
     }
 }
