@@ -14,8 +14,8 @@ use crate::app::camera_cues;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::model::{
-    ChartCommand, Charts, FRONT, Quantity, ShownAxis, Study, TICKS, coordinate, kernel_name, method_name,
-    place, point_name, series_name, settings_alone,
+    ChartCommand, Charts, FRONT, Quantity, START, ShownAxis, Study, TICKS, coordinate, kernel_name,
+    method_name, place, point_name, series_name, settings_alone,
 };
 use crate::app::rooms::report::model::Table;
 use crate::app::rooms::settings::model::{SettingsCommand, setting_names};
@@ -49,8 +49,14 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let colors =
         kernels.iter().map(|(color, name)| (Mark::Points(MarkerShape::Circle), *color, name.as_str()));
     let shapes = Series::ALL.into_iter().filter(|series| drawn.iter().any(|of| of.kind.1 == *series));
-    let shapes =
-        shapes.map(|series| (Mark::Points(shape(Marker::of(series))), tokens.text_weak, series_name(series)));
+    let shapes = shapes.map(|series| {
+        let (shape, color) = if series == Series::Reference {
+            own_look(&tokens)
+        } else {
+            (shape(Marker::of(series)), tokens.text_weak)
+        };
+        (Mark::Points(shape), color, series_name(series))
+    });
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, CURRENT)];
     let lines = &lines[..=usize::from(current.is_some())];
     legend_ui(ui, charts, Study::Sweep, colors.chain(shapes).chain(lines.iter().copied()), commands);
@@ -67,8 +73,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             let name = format!("{}, {}", series_name(series), kernel_name(kernel));
             let points = points.into_iter().filter(|point| is_shown(point));
             let points: Vec<_> = points.filter_map(|point| place(axes, point)).collect();
-            let shape = shape(Marker::of(series));
-            plot_ui.points(Points::new(name, points).color(kernel_color(kernel)).radius(4.0).shape(shape));
+            let (shape, color) = look_of_series(series, kernel, &tokens);
+            plot_ui.points(Points::new(name, points).color(color).radius(4.0).shape(shape));
         }
         if let Some(at) = current.filter(|_| shows(CURRENT)) {
             plot_ui.points(Points::new(CURRENT, vec![at]).color(tokens.mark).radius(8.0).filled(false));
@@ -86,6 +92,19 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::Settings(SettingsCommand::Take(Box::new(settings.clone()))));
         }
         plot.response.on_hover_text_at_pointer(words(point, axes.map(|axis| axis.quantity)));
+    }
+}
+
+/// Shape and color of what the settings on the sliders gave, in every chart: that of text, which no kernel and no other method has.
+fn own_look(tokens: &Tokens) -> (MarkerShape, Color32) {
+    (MarkerShape::Circle, tokens.text)
+}
+
+/// Shape and color of points of a sweep.
+fn look_of_series(series: Series, kernel: Kernel, tokens: &Tokens) -> (MarkerShape, Color32) {
+    match series {
+        Series::Reference => own_look(tokens),
+        _ => (shape(Marker::of(series)), kernel_color(kernel)),
     }
 }
 
@@ -217,7 +236,11 @@ static METHODS: LazyLock<Vec<String>> = LazyLock::new(|| {
 });
 
 /// Shape, color and name of a method: its own, whichever disturbance is shown and however much is measured.
-fn look(method: &str) -> (MarkerShape, Color32, &str) {
+fn look<'a>(method: &'a str, tokens: &Tokens) -> (MarkerShape, Color32, &'a str) {
+    if method_name(method) == START {
+        let (shape, color) = own_look(tokens);
+        return (shape, color, START);
+    }
     let index = METHODS.iter().position(|name| name == method).unwrap_or(METHODS.len());
     (SHAPES[index % SHAPES.len()], camera_cues::color(index), method_name(method))
 }
@@ -232,7 +255,8 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, charts: &Charts, commands: 
     let shown: Vec<&StressPoint> = here.iter().copied().filter(|point| shows(point)).collect();
     let placed: Vec<_> = shown.iter().filter_map(|point| Some((*point, place(point)?))).collect();
     let methods = distinct(here.iter().map(|point| point.method.as_str()));
-    let looks = methods.iter().copied().map(look);
+    let tokens = *Tokens::in_ui(ui);
+    let looks = methods.iter().copied().map(|method| look(method, &tokens));
     let entries = looks.map(|(shape, color, name)| (Mark::Points(shape), color, name));
     legend_ui(ui, charts, Study::Stress, entries, commands);
     let unit = here.first().map_or("", |point| point.unit.as_str());
@@ -251,7 +275,7 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, charts: &Charts, commands: 
         .y_axis_formatter(number(Scale::Linear));
     let plot = plot.show(ui, |plot_ui| {
         for method in &methods {
-            let (shape, color, name) = look(method);
+            let (shape, color, name) = look(method, &tokens);
             let of_method = placed.iter().filter(|(point, _)| point.method == *method);
             let places: Vec<_> = of_method.map(|(_, place)| *place).collect();
             plot_ui.line(Line::new(name, PlotPoints::from(places.clone())).color(color).width(2.0));
@@ -288,6 +312,28 @@ mod tests {
         assert_eq!(around([20.0].into_iter(), Scale::Linear), Some([19.5, 20.5]));
         assert_eq!(around([f64::INFINITY].into_iter(), Scale::Linear), None);
         assert_eq!(around([].into_iter(), Scale::Log), None);
+    }
+
+    #[test]
+    fn a_method_has_a_look_of_its_own_and_your_settings_have_one_in_all_charts() {
+        for dark in [false, true] {
+            let tokens = Tokens::of(dark);
+            let looks: Vec<_> = METHODS.iter().map(|method| look(method, tokens)).collect();
+            assert!(looks.len() > 3, "{looks:?}");
+            for (nth, (shape, color, name)) in looks.iter().enumerate() {
+                let before = &looks[..nth];
+                assert!(!before.iter().any(|other| (other.0, other.1) == (*shape, *color)), "{name}");
+            }
+            let (shape, color, _) = look("ours", tokens);
+            for kernel in Kernel::ALL {
+                assert_eq!(look_of_series(Series::Reference, kernel, tokens), (shape, color));
+                assert_ne!(look_of_series(Series::Variation, kernel, tokens), (shape, color));
+            }
+        }
+        assert_eq!(
+            look("of another version", Tokens::of(true)),
+            look("of another version", Tokens::of(false))
+        );
     }
 
     #[test]
