@@ -325,7 +325,7 @@ mod tests {
                 assert!(!before.iter().any(|other| (other.0, other.1) == (*shape, *color)), "{name}");
             }
             let (shape, color, _) = look("ours", tokens);
-            for kernel in Kernel::ALL {
+            for kernel in Kernel::ALL.iter().copied() {
                 assert_eq!(look_of_series(Series::Reference, kernel, tokens), (shape, color));
                 assert_ne!(look_of_series(Series::Variation, kernel, tokens), (shape, color));
             }

@@ -85,7 +85,7 @@ fn view_commands() -> [(&'static str, &'static str, Command); 17] {
         ("Full screen", "F11", Command::Window(WindowCommand::FullScreen)),
         ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
         ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
-        ("Measure a distance", "M", Command::View(ViewCommand::Measure(true))),
+        ("Measure distance", "M", Command::View(ViewCommand::Measure(true))),
         ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
         ("Loop over all frames", "Shift+I", Command::Time(TimeCommand::LoopRange(None))),
         ("Mark this frame, or take its marker away", "Shift+M", Command::Time(TimeCommand::ToggleMarker)),
