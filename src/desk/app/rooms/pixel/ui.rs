@@ -225,6 +225,8 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
     let order = words::ordered(&explanation.evidence, explanation.winner);
     let scale = if narrow { 0.86 } else { 1.0 };
     let mut table = TableBuilder::new(ui).id_salt("evidence").striped(true).auto_shrink(false);
+    // Letters of several sizes stand on one middle.
+    table = table.cell_layout(Layout::left_to_right(Align::Center));
     for (_, width, _) in &COLUMNS[..COLUMNS.len() - 1] {
         table = table.column(Column::initial(width * scale).at_least(24.0).clip(true).resizable(true));
     }

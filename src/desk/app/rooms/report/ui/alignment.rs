@@ -1,6 +1,6 @@
 //! What the rig got wrong and was corrected: per camera, and how far pairs of cameras were and are apart.
 
-use egui::{RichText, ScrollArea, Ui};
+use egui::{Align, Layout, RichText, ScrollArea, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use super::pair_grid::{PairCell, by_weight, pairs_ui, short};
@@ -123,6 +123,7 @@ fn corrections_ui(ui: &mut Ui, alignment: &Alignment, unit: Unit) {
     ScrollArea::horizontal().id_salt("corrections").auto_shrink([false, true]).show(ui, |ui| {
         let mut table =
             TableBuilder::new(ui).id_salt("corrections").striped(true).vscroll(order.len() > SCROLLED);
+        table = table.cell_layout(Layout::left_to_right(Align::Center));
         table = table.column(Column::initial(96.0).clip(true));
         for (_, width, ..) in &columns {
             table = table.column(Column::initial(*width));

@@ -1,6 +1,6 @@
 //! How many samples each rule pruned, for which camera; how well cameras agree; and how noisy the capture is.
 
-use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
+use egui::{Align, Color32, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons::ICON_GRID_ON;
 
@@ -209,6 +209,7 @@ fn cameras_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
     let columns =
         [Column::remainder().clip(true), Column::initial(66.0), Column::initial(60.0), Column::initial(50.0)];
     let mut table = TableBuilder::new(ui).id_salt("cameras").striped(true).vscroll(order.len() > SCROLLED);
+    table = table.cell_layout(Layout::left_to_right(Align::Center));
     for column in columns {
         table = table.column(column);
     }
