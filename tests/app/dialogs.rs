@@ -80,7 +80,7 @@ fn what_a_histogram_tells_covers_no_other_histogram() {
     settle(&mut window);
     let histogram = "Depth tolerance on its histogram";
     rest_on(&mut window, histogram);
-    let told = window.query_all_by_label_contains("the line").map(|text| text.rect());
+    let told = window.query_all_by_label_contains(" within the line, ").map(|text| text.rect());
     let told = told.reduce(Rect::union).expect("it is explained");
     let histograms = window.query_all_by_label_contains("on its histogram");
     let covered = histograms.filter(|other| other.rect().intersect(told).is_positive()).count();

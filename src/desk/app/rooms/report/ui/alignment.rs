@@ -120,7 +120,10 @@ fn corrections_ui(ui: &mut Ui, alignment: &Alignment, unit: Unit) {
     let order = by_weight(cameras.len(), |camera| {
         cameras[camera].pose.as_ref().map_or(0.0, |pose| pose.footprints as f32)
     });
-    ScrollArea::horizontal().id_salt("corrections").auto_shrink([false, true]).show(ui, |ui| {
+    let rows = 2.0 + order.len().min(SCROLLED) as f32;
+    let height = rows * (ROW + ui.spacing().item_spacing.y);
+    let scroll = ScrollArea::horizontal().id_salt("corrections").max_height(height);
+    scroll.auto_shrink([false, true]).show(ui, |ui| {
         let mut table =
             TableBuilder::new(ui).id_salt("corrections").striped(true).vscroll(order.len() > SCROLLED);
         table = table.cell_layout(Layout::left_to_right(Align::Center));
