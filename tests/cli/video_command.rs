@@ -176,13 +176,28 @@ fn two_stores_are_compared_by_a_line_that_crosses_once_or_in_turn() {
     };
     let [a, b] = [("scene.ovl", "a"), ("b.ovl", "b")].map(|(store, out)| pictures(store, &[], out));
     assert_ne!(a[6], b[6]);
-    let wiped = pictures("scene.ovl", &["--compare", "b.ovl"], "wiped");
+    let compared = |more: &[&str], out: &str| {
+        let pictures = pictures("scene.ovl", &[&["--compare", "b.ovl"], more].concat(), out);
+        let height = a[0].height();
+        assert!(pictures.iter().all(|picture| picture.height() > height), "names stand below");
+        let part = |picture: &image::RgbaImage, top: u32, rows: u32| {
+            image::imageops::crop_imm(picture, 0, top, 64, rows).to_image()
+        };
+        let above = pictures.iter().map(|picture| part(picture, 0, height)).collect::<Vec<_>>();
+        let below = pictures.iter().map(|picture| part(picture, height, picture.height() - height));
+        (above, below.collect::<Vec<_>>())
+    };
+    let (wiped, names) = compared(&[], "wiped");
     assert!(wiped[0] == a[0] && wiped[12] == b[12], "from one side to the other");
+    assert!(
+        names[0] != names[6] && names[6] != names[12] && names[0] != names[12],
+        "what is shown stands out"
+    );
     let (split, row) = (32, 24);
     assert_eq!(wiped[6].get_pixel(split, row).0, [255; 4]);
     assert!((0..split - 2).all(|x| wiped[6].get_pixel(x, row) == a[6].get_pixel(x, row)));
     assert!((split + 2..64).all(|x| wiped[6].get_pixel(x, row) == b[6].get_pixel(x, row)));
-    let flipped = pictures("scene.ovl", &["--compare", "b.ovl", "--mode", "flip"], "flipped");
+    let (flipped, _) = compared(&["--mode", "flip"], "flipped");
     assert!((0..12).all(|nth| flipped[nth] == a[nth]), "half a second at 24 pictures a second");
     assert_eq!(flipped[12], b[12], "then the other side");
     let film = film(folder, &["--compare", "b.ovl", "--mode", "wipe", "--fps", "12", "--out", "film.mp4"]);

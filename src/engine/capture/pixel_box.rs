@@ -6,7 +6,8 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::{Camera, Intrinsics};
+use super::camera::Camera;
+use super::intrinsics::Intrinsics;
 
 /// Eight points in homogeneous coordinates whose hull holds all points of some pixels between two inverse depths.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +88,7 @@ impl BoxInPicture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Projection;
+    use crate::capture::intrinsics::Projection;
     use crate::random::mix;
     use proptest::prelude::*;
 

@@ -12,6 +12,7 @@ use super::scene::{SCENE, without_filling};
 use overlook_engine::capture::Frame;
 use overlook_engine::capture::overlap::OverlapGraph;
 use overlook_engine::demo::{Demo, DemoSpec};
+use overlook_engine::edits::{Region, selected};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::interactive::FrameLayers;
@@ -73,6 +74,7 @@ pub(crate) fn cases() -> Vec<Case> {
         one("preprocess/re-prune-unprepared", Box::new(|bench| reprune(bench, false))),
         one("preprocess/prune-views", Box::new(prune_views)),
         one("preprocess/pack", Box::new(pack_frame)),
+        one("edits/select", Box::new(select)),
         one("store/write", Box::new(write_store)),
         one("store/read", Box::new(read_store)),
         one("store/decode-foreground", Box::new(decode_foreground)),
@@ -129,6 +131,23 @@ fn estimate_normals(bench: &Bench<'_>, estimator: NormalEstimator) -> Result<Sta
         views.collect::<Result<Vec<_>>>()
     })?;
     Ok((times, bench.scene.unpruned.sample_count(), bench.scene.unpruned.sample_count() * DEPTH_BYTES))
+}
+
+/// Marks what the first camera shows in a square in the middle of its picture, among all samples of all cameras.
+fn select(bench: &Bench<'_>) -> Result<StageResult> {
+    let set = &bench.scene.unpruned;
+    let lens = set.cameras[0].intrinsics;
+    let (x, y) = (f64::from(lens.width) / 2.0, f64::from(lens.height) / 2.0);
+    let half = y / 4.0;
+    let outline = [(-half, -half), (half, -half), (half, half), (-half, half)];
+    let region = Region::Pixels {
+        camera: set.cameras[0].name.clone(),
+        frame: set.frame_numbers.first().copied(),
+        outline: outline.map(|(across, down)| [x + across, y + down]).to_vec(),
+        strokes: Vec::new(),
+    };
+    let times = repeat(bench.budget, bench.job, || selected(set, &region, [1.0, 0.5, 0.0], None, "samples"))?;
+    Ok((times, set.sample_count(), set.sample_count() * DEPTH_BYTES))
 }
 
 /// Repeats with default settings but a new color tolerance each time, so that nothing is taken from an earlier repeat.

@@ -89,6 +89,7 @@ pub fn pareto(capture: &str, points: &[Point]) -> Chart {
 }
 
 /// Draws one quantity of a sweep of a capture against another, along and up. `start` names the settings that the sweep started from.
+#[must_use]
 pub fn tradeoff(
     capture: &str,
     points: &[Point],

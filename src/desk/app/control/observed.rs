@@ -62,6 +62,7 @@ impl OverlookApp {
         });
         Observed {
             is_idle: self.workers.are_idle()
+                && self.unread.is_none()
                 && state.opening.is_none()
                 && self.scheduler.is_up_to_date(state, &self.workers),
             frame: state.timeline.frame,

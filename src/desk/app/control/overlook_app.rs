@@ -16,7 +16,7 @@ use crate::app::rooms::files::model::{FileCommand, Opening, TypedPath};
 use crate::app::rooms::frame::model::{DockView, NoticeKind, WindowCommand, Workspace};
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::theme;
-use crate::app::work::{Outbox, Scheduler, Workers};
+use crate::app::work::{Outbox, Scheduler, Unread, Workers};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Result;
 use overlook_engine::render::gpu::SharedDevice;
@@ -54,6 +54,8 @@ pub struct OverlookApp {
     pub(crate) scheduler: Scheduler,
     pub(crate) dock: Dock,
     pub(crate) inbox: Receiver<Message>,
+    /// What is in it, or about to be.
+    pub(crate) unread: Unread,
     pub(crate) commands: Vec<Command>,
     /// When the system's dialog was requested.
     pub(crate) asked_at: Option<Instant>,
@@ -94,7 +96,8 @@ impl OverlookApp {
             device: window.device.clone(),
             queue: window.queue.clone(),
         });
-        let workers = Workers::start(&Outbox::new(sender, ctx.clone()), shared)?;
+        let outbox = Outbox::new(sender, ctx.clone());
+        let workers = Workers::start(&outbox, shared)?;
         let mut state = State::default();
         state.live.shares_device = window.is_some();
         state.inspector.graphics = window.map(|window| {
@@ -113,6 +116,7 @@ impl OverlookApp {
             scheduler: Scheduler::default(),
             dock,
             inbox,
+            unread: outbox.unread(),
             commands: Vec::new(),
             asked_at: None,
             last_typed: None,
@@ -140,6 +144,7 @@ impl OverlookApp {
     pub(crate) fn between_pictures(&mut self, ctx: &egui::Context) {
         let watch = Stopwatch::start();
         while let Ok(message) = self.inbox.try_recv() {
+            self.unread.read_one();
             self.receive(message);
         }
         self.carry_out_commands();

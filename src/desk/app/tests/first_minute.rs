@@ -18,7 +18,9 @@ fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_
     let before = app.state.timeline.frame;
     wait(&mut app, "time to pass", |app| app.state.timeline.frame != before);
     wait(&mut app, "a picture", |app| app.state.doc.live_shown.is_some());
-    let stats = app.state.doc.live_shown.as_ref().unwrap().picture.stats;
+    let shown = app.state.doc.live_shown.as_ref().unwrap();
+    assert!(shown.key.quality.is_some(), "while it plays no picture takes the time of one at rest");
+    let stats = shown.picture.stats;
     assert!(stats.holes * 10 < 200 * 150, "{} of the first view's pixels are invented", stats.holes);
     let bytes = match app.state.content() {
         Some(Content::Store { bytes, .. }) => *bytes,

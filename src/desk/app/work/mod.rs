@@ -14,5 +14,5 @@ pub(crate) use requests::{
     Export, ExportRequest, FigureExport, FileRequest, OpenRequest, PathExport, StudyRequest,
 };
 pub(crate) use scheduler::Scheduler;
-pub(crate) use worker::Outbox;
+pub(crate) use worker::{Outbox, Unread};
 pub(crate) use workers::Workers;

@@ -145,8 +145,8 @@ impl LiveSchedule {
         changed_at: Option<Instant>,
     ) -> Option<Duration> {
         if self.vantage.as_ref() != Some(&vantage) {
-            // The first picture is not in motion.
-            self.moved_at = self.vantage.is_some().then(Instant::now);
+            // The first picture is not in motion, unless time passes from the start.
+            self.moved_at = (self.vantage.is_some() || state.timeline.playing).then(Instant::now);
             self.vantage = Some(vantage);
         }
         let is_held = state.live.is_held;
