@@ -67,6 +67,8 @@ fn a_sweep_is_copied() {
     let mut window = with_a_point();
     let sweep = copied_table(&mut window, "sweep");
     assert!(sweep[0].starts_with("label,series,kernel,psnr_filled_db,") && sweep.len() > 1, "{sweep:?}");
+    click(&mut window, "Copy the sweep chart");
+    wait(&mut window, "the chart", |window| shows(window, "The sweep chart is on the clipboard"));
 }
 
 #[test]
@@ -124,8 +126,11 @@ fn at_the_usual_size_no_button_above_a_chart_is_cut_and_nothing_covers_the_legen
         settle(&mut window);
         assert_eq!(cut_off(&window), Vec::<String>::new(), "{size:?}");
         let chart = window.get_by_label("Sweep chart").rect();
-        for name in ["Copy CSV", "Copy Markdown", "Copy LaTeX", "Save table…"] {
-            let button = window.get_by_label(&format!("{name} of the sweep")).rect();
+        let tables = ["Copy CSV", "Copy Markdown", "Copy LaTeX", "Save table…"];
+        let tables = tables.iter().map(|name| format!("{name} of the sweep"));
+        let charts = ["Copy", "Save"].iter().map(|verb| format!("{verb} the sweep chart"));
+        for name in tables.chain(charts) {
+            let button = window.get_by_label(&name).rect();
             assert!(button.width() > 40.0 && button.height() < 30.0, "{name} at {size:?}: {button}");
             assert!(button.bottom() <= chart.top(), "{name} at {size:?}: {button}, {chart}");
         }
