@@ -34,6 +34,9 @@ fn a_camera_that_was_moved_is_told_and_compared_with_what_it_claimed() {
     assert!(shows(&window, "What was corrected") && shows(&window, "footprints"));
     let moved = window.query_all_by_label_contains("0.50°").count();
     assert_eq!(moved, 1, "one camera was turned");
+    for heading in ["Angle", "Moved, m", "Footprints"] {
+        assert!(window.query_all_by_label(heading).next().is_some(), "{heading} is a column");
+    }
     click(&mut window, "Compare before and after");
     settle(&mut window);
     for (side, shown) in [("Left side", "Uncorrected poses and exposure"), ("Right side", "Kept samples")] {

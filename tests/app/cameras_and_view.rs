@@ -103,7 +103,7 @@ fn cameras_are_left_out_shown_alone_and_put_back() {
     window.run_steps(4);
     settle(&mut window);
     let all = window.state().observed().live_coverage.unwrap().1;
-    click(&mut window, "Leave out left");
+    click(&mut window, "Hide left");
     settle(&mut window);
     assert!(shows(&window, "2 of 3 shown"));
     let without = window.state().observed().live_coverage.unwrap().1;
@@ -242,7 +242,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     std::fs::write(&file, "no path").unwrap();
     type_path(&mut window, "Open camera path from path", &file, "Load this path");
     wait(&mut window, "the message", |window| {
-        window.state().observed().notices.iter().any(|notice| notice.contains("not a manifest"))
+        window.state().observed().notices.iter().any(|notice| notice.contains("holds no JSON"))
     });
 }
 

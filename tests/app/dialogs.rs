@@ -74,6 +74,42 @@ fn the_first_line_of_a_tooltip_begins_where_the_others_do() {
     assert!(first.unwrap() <= text.left() as u32 + 2, "{first:?} {text}");
 }
 
+#[test]
+fn what_a_histogram_tells_covers_no_other_histogram() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let histogram = "Depth tolerance on its histogram";
+    rest_on(&mut window, histogram);
+    let told = window.query_all_by_label_contains(" within the line, ").map(|text| text.rect());
+    let told = told.reduce(Rect::union).expect("it is explained");
+    let histograms = window.query_all_by_label_contains("on its histogram");
+    let covered = histograms.filter(|other| other.rect().intersect(told).is_positive()).count();
+    assert_eq!(covered, 0, "{told} lies beside {}", window.get_by_label(histogram).rect());
+}
+
+#[test]
+fn the_cells_of_a_row_of_the_pixel_table_stand_on_one_middle() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    look_at(&mut window, "Source picture", vec2(0.5, 0.6));
+    settle(&mut window);
+    let rows: Vec<f32> = window
+        .query_all_by_label_contains("Go to the point in ")
+        .map(|name| name.rect().center().y)
+        .collect();
+    let (first, last) = (rows[0] - 10.0, rows[rows.len() - 1] + 10.0);
+    let mut cells = 0;
+    for cell in window.query_all_by_label_contains("°") {
+        let text = cell.accesskit_node().value().or_else(|| cell.accesskit_node().label());
+        let middle = cell.rect().center().y;
+        if text.is_some_and(|text| text.chars().count() <= 3) && (first..last).contains(&middle) {
+            cells += 1;
+            assert!(rows.iter().any(|row| (row - middle).abs() < 1.1), "{middle} {rows:?}");
+        }
+    }
+    assert!(cells > 0, "some camera sees the point at an angle");
+}
+
 /// Pixels of a color, not gray, in a part of the window.
 fn colored(window: &mut Window, area: Rect) -> usize {
     let picture = window.render().unwrap();

@@ -23,7 +23,7 @@ const SIZES: [([f32; 2], f32); 6] = [
 /// The smallest window, a large one, and one that is smaller than a window can be made: the screen has no more.
 const CHECKED_SIZES: [usize; 3] = [0, 2, 5];
 
-const WORKSPACES: [&str; 4] = ["Explore", "Inspect", "Compare", "Measure"];
+const WORKSPACES: [&str; 4] = ["Explore", "Inspect", "Compare", "Benchmark"];
 
 /// Where pictures are kept, if they are.
 fn folder() -> Option<PathBuf> {

@@ -228,7 +228,7 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     assert!(shows(&window, "PSNR ") || shows(&window, "identical where both"));
     drag(&mut window, "Comparison", vec2(0.5, 0.5), vec2(40.0, 0.0));
     choose(&mut window, "Compare by", "Flip");
-    pick(&mut window, "Right side", "Kernel point");
+    pick(&mut window, "Right side", "Points");
     settle(&mut window);
     choose(&mut window, "Compare by", "Difference");
     assert!(shows(&window, "8-bit steps"));
@@ -245,10 +245,10 @@ fn two_pictures_of_one_place_are_wiped_flipped_and_subtracted() {
     pick(&mut window, "Left side", "Truth");
     wait(&mut window, "the trouble", |window| shows(window, "These two cannot be compared here"));
     click(&mut window, "From");
-    for vantage in ["Truth novel0/0000.exr", "Truth novel1/0000.exr"] {
+    for vantage in ["True picture 1", "True picture 5"] {
         assert!(window.query_by_label(vantage).is_some(), "{vantage}");
     }
-    window.get_by_label("Hold-out left").click();
+    window.get_by_label("Camera left, held out").click();
     window.run_steps(3);
     wait(&mut window, "the comparison", |window| !shows(window, "These two cannot be compared here"));
     settle(&mut window);
@@ -365,7 +365,7 @@ fn kernels_are_compared_on_an_opened_store() {
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
     open_view(&mut window, "Compare");
-    pick(&mut window, "Left side", "Kernel point");
+    pick(&mut window, "Left side", "Points");
     // Over the pictures the pointer asks for a pixel.
     window.hover_at(egui::pos2(5.0, 5.0));
     wait(&mut window, "the comparison", |window| shows(window, "of pixels covered on one side only"));

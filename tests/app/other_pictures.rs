@@ -67,14 +67,14 @@ fn pictures_of_another_program_are_compared_with_ours_and_with_the_truth() {
     wait(&mut window, "the classes", |window| shows(window, "of the squared error unseen"));
     choose(&mut window, "Difference in", "Flicker");
     wait(&mut window, "the trouble", |window| shows(window, "there is none before this one"));
-    pick_away(&mut window, "From", "Truth novel0/0002.exr");
+    pick_away(&mut window, "From", "True picture 3");
     // Red is three steps brighter than in the frame before: its mean square over three channels.
     wait(&mut window, "the flicker", |window| shows(window, "flicker 1.7") || shows(window, "flicker 1.6"));
-    pick_away(&mut window, "From", "Truth novel1/0001.exr");
+    pick_away(&mut window, "From", "True picture 6");
     wait(&mut window, "the size", |window| {
         shows(window, "rvs has a picture of view 'novel1/0001.exr' of 48×72")
     });
-    pick_away(&mut window, "From", "Hold-out left");
+    pick_away(&mut window, "From", "Camera left, held out");
     wait(&mut window, "the advice", |window| {
         shows(window, "rvs has pictures of viewpoints with true pictures alone")
     });

@@ -31,7 +31,7 @@ fn words_that_people_type_find_what_they_mean() {
         ("full", "Full screen"),
         ("maxim", "Maximize or restore a view"),
         ("screenshot", "Share: Pictures"),
-        ("measure", "Measure a distance"),
+        ("measure", "Measure distance"),
         ("recent", "Open recent: small_capture"),
         ("hole", "Hole filling: None"),
         ("background", "Open view: Color"),

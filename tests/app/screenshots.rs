@@ -141,7 +141,7 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     shoot(&mut window, "compare_wipe");
     choose(&mut window, "Compare by", "Difference");
     pick(&mut window, "Left side", "Truth");
-    pick(&mut window, "From", "Hold-out left");
+    pick(&mut window, "From", "Camera left, held out");
     open_view(&mut window, "Memory");
     settle(&mut window);
     shoot(&mut window, "compare_truth");

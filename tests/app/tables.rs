@@ -32,6 +32,15 @@ fn the_tables_of_pixel_matrix_and_cameras_are_copied_with_a_line_of_names() {
     let agreement = copied_table(&mut window, "matrix of agreement");
     assert!(agreement[0].starts_with("camera,against,what,samples,"), "{agreement:?}");
     assert!(agreement.iter().any(|line| line.starts_with("front,left,static,")), "{agreement:?}");
+    open_view(&mut window, "Memory");
+    settle(&mut window);
+    let memory = copied_table(&mut window, "memory table");
+    assert_eq!(memory[0], "camera,samples,bytes_of_several_frames,bytes_of_one_frame,bytes");
+    assert_eq!(memory.len(), 4, "{memory:?}");
+    open_view(&mut window, "Time");
+    let spans = copied_table(&mut window, "span table");
+    assert_eq!(spans[0], "first_frame,last_frame,frames,samples");
+    assert!(spans.len() > 1 && spans.iter().skip(1).all(|line| line.split(',').count() == 4), "{spans:?}");
     open_view(&mut window, "Report");
     window.get_by_label("Copy CSV of the camera table").scroll_to_me();
     window.run_steps(3);
@@ -58,6 +67,8 @@ fn a_sweep_is_copied() {
     let mut window = with_a_point();
     let sweep = copied_table(&mut window, "sweep");
     assert!(sweep[0].starts_with("label,series,kernel,psnr_filled_db,") && sweep.len() > 1, "{sweep:?}");
+    click(&mut window, "Copy the sweep chart");
+    wait(&mut window, "the chart", |window| shows(window, "The sweep chart is on the clipboard"));
 }
 
 #[test]
@@ -115,8 +126,11 @@ fn at_the_usual_size_no_button_above_a_chart_is_cut_and_nothing_covers_the_legen
         settle(&mut window);
         assert_eq!(cut_off(&window), Vec::<String>::new(), "{size:?}");
         let chart = window.get_by_label("Sweep chart").rect();
-        for name in ["Copy CSV", "Copy Markdown", "Copy LaTeX", "Save table…"] {
-            let button = window.get_by_label(&format!("{name} of the sweep")).rect();
+        let tables = ["Copy CSV", "Copy Markdown", "Copy LaTeX", "Save table…"];
+        let tables = tables.iter().map(|name| format!("{name} of the sweep"));
+        let charts = ["Copy", "Save"].iter().map(|verb| format!("{verb} the sweep chart"));
+        for name in tables.chain(charts) {
+            let button = window.get_by_label(&name).rect();
             assert!(button.width() > 40.0 && button.height() < 30.0, "{name} at {size:?}: {button}");
             assert!(button.bottom() <= chart.top(), "{name} at {size:?}: {button}, {chart}");
         }

@@ -155,7 +155,7 @@ fn each_workspace_shows_what_it_is_for() {
     for (name, views) in [
         ("Explore", &["Live view"][..]),
         ("Compare", &["Live view", "Compare"]),
-        ("Measure", &["Sweep", "Live view", "Memory"]),
+        ("Benchmark", &["Sweep", "Live view", "Memory"]),
         ("Inspect", &["Source", "Live view", "Pixel"]),
     ] {
         click(&mut window, &format!("Workspace: {name}"));

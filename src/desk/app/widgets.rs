@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use egui::{
-    Button, Color32, ComboBox, Key, Painter, Rect, Response, RichText, ScrollArea, Sense, TextEdit,
-    TextWrapMode, TextureId, Ui, Vec2, pos2,
+    Button, Color32, ComboBox, Key, Painter, Rect, RectAlign, Response, RichText, ScrollArea, Sense,
+    TextEdit, TextWrapMode, TextureId, Ui, Vec2, pos2,
 };
 use egui_material_icons::MaterialIcon;
 
@@ -182,6 +182,15 @@ pub(crate) fn picture(painter: &Painter, texture: TextureId, area: Rect) {
 /// Shows in the middle of an area that its picture is on the way.
 pub(crate) fn waiting(ui: &Ui, area: Rect, size: f32) {
     egui::Spinner::new().paint_at(ui, Rect::from_center_size(area.center(), Vec2::splat(size)));
+}
+
+/// Explains beside a control what it shows, so that what lies below it stays in view: at its left, or where that has no room at its
+/// right, or above it.
+pub(crate) fn help_beside(control: &Response, help: String) {
+    let mut tooltip = egui::Tooltip::for_enabled(control);
+    let elsewhere = &[RectAlign::RIGHT, RectAlign::TOP];
+    tooltip.popup = tooltip.popup.align(RectAlign::LEFT).align_alternatives(elsewhere);
+    tooltip.show(|ui| ui.label(help));
 }
 
 /// A line of small text that explains.

@@ -105,7 +105,7 @@ pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands
         DockView::Cameras => cameras::ui::cameras_view_ui(ui, state, commands),
         DockView::Matrix => report::ui::matrix_view_ui(ui, state, commands),
         DockView::Time => timeline::ui::time_ui(ui, state, commands),
-        DockView::Memory => report::ui::memory_ui(ui, state),
+        DockView::Memory => report::ui::memory_ui(ui, state, commands),
         DockView::Thresholds => settings::ui::settings_ui(ui, state, commands),
         DockView::Report => report::ui::report_ui(ui, state, commands),
         DockView::Log => frame::ui::log_ui(ui, state),

@@ -169,7 +169,7 @@ impl Renderer {
         }
         let (averaged, more) = self.paint_averaged(&Request { level: FINER, ..request }, EDGE_FACTOR)?;
         let picture = Arc::new(with_averaged_edges(&picture, &averaged));
-        stats.samples += more.samples;
+        // Both project the same samples.
         stats.stages.add(&more.stages);
         stats.milliseconds = milliseconds();
         Ok((picture, stats))

@@ -137,7 +137,7 @@ impl Picture {
 /// The cost of rendering a vantage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderStats {
-    /// Samples that were projected.
+    /// Samples that were projected, each counted once however often the picture is rendered for its edges or levels.
     pub samples: u64,
     /// Pixels that no sample reached, filled or not.
     pub holes: u64,

@@ -27,7 +27,7 @@ pub use axis::Scale;
 pub use color_bar::ColorBar;
 pub use error_picture::error_picture;
 pub use figure::{FIGURE_COLUMNS, Figure, LegendEntry, ScaleBar};
-pub use pareto::pareto;
+pub use pareto::{ChartQuantity, pareto, tradeoff};
 pub use series::{ChartSeries, Marker, series};
 pub use side_names::SideNames;
 pub use stress::stress;

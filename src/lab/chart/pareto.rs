@@ -1,4 +1,4 @@
-//! A sweep: accuracy against bytes, and against time, with the Pareto front of each.
+//! A sweep: accuracy against bytes, and against time, or one quantity against another, with the Pareto front of each.
 
 use super::axis::{ChartAxis, Scale, short};
 use super::color;
@@ -17,6 +17,20 @@ const BOTTOM: f64 = 800.0;
 const BAR: &str = "#c3c9d1";
 /// Left and right of the two panels.
 const PANELS: [(f64, f64); 2] = [(100.0, 890.0), (980.0, 1770.0)];
+/// The sheet with one panel, which has fewer entries of the legend in a row.
+const NARROW: [f64; 2] = [1300.0, 1120.0];
+
+/// A quantity along an axis.
+pub struct ChartQuantity<'a> {
+    /// Its name with its unit.
+    pub name: String,
+    /// How its values are spread.
+    pub scale: Scale,
+    /// Its value at a point: finite, and positive where its scale is logarithmic.
+    pub value: &'a dyn Fn(&Point) -> f64,
+    /// Whether more of it is better.
+    pub is_gain: bool,
+}
 
 fn kernel_color(kernel: Kernel) -> &'static str {
     match kernel {
@@ -51,23 +65,61 @@ pub fn pareto(capture: &str, points: &[Point]) -> Chart {
             counted(points.len(), "setting")
         ),
     );
+    let up = ChartQuantity {
+        name: "accuracy, PSNR in dB".to_owned(),
+        scale: Scale::Linear,
+        value: &|point| point.psnr_filled_db,
+        is_gain: true,
+    };
     let y = ChartAxis::around(Scale::Linear, points.iter().flat_map(bar_db), BOTTOM, TOP);
-    let mut panel = |(left, right): (f64, f64), name, cost: fn(&Point) -> f64| {
+    let mut panel = |(left, right): (f64, f64), name: &str, cost: fn(&Point) -> f64| {
         let x = ChartAxis::around(Scale::Log, points.iter().map(cost), left, right);
-        Panel { name, cost, left, right, x, y }.draw(&mut svg, points);
+        let along = ChartQuantity { name: name.to_owned(), scale: Scale::Log, value: &cost, is_gain: false };
+        let panel = Panel { along: &along, up: &up, left, right, x, y };
+        panel.axes(&mut svg);
+        panel.front(&mut svg, points.to_vec());
+        panel.bars(&mut svg, points);
+        panel.points(&mut svg, points, "default");
     };
     panel(PANELS[0], BYTES, Point::megabytes_of_samples);
     panel(PANELS[1], "rendering one view, ms", |point| point.milliseconds);
-    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), 18.0, color::INK, "accuracy, PSNR in dB");
-    legend(&mut svg, points);
+    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), 18.0, color::INK, &up.name);
+    legend(&mut svg, WIDTH, points, Series::Reference.name(), Some("nothing is both cheaper and closer"));
     svg.finish()
 }
 
-/// One panel: accuracy against a cost.
+/// Draws one quantity of a sweep of a capture against another, along and up. `start` names the settings that the sweep started from.
+#[must_use]
+pub fn tradeoff(
+    capture: &str,
+    points: &[Point],
+    [along, up]: &[ChartQuantity<'_>; 2],
+    start: &str,
+    has_front: bool,
+) -> Chart {
+    let [width, height] = NARROW;
+    let mut svg = Svg::new(width, height);
+    svg.text((40.0, 50.0), Anchor::Start, 30.0, color::INK, &format!("{capture}: what settings cost"));
+    let words = format!("{} and baselines, holes filled alike", counted(points.len(), "setting"));
+    svg.text((40.0, 80.0), Anchor::Start, 17.0, color::FAINT, &words);
+    let (left, right) = (PANELS[0].0, width - 30.0);
+    let x = ChartAxis::around(along.scale, points.iter().map(along.value), left, right);
+    let y = ChartAxis::around(up.scale, points.iter().map(up.value), BOTTOM, TOP);
+    let panel = Panel { along, up, left, right, x, y };
+    panel.axes(&mut svg);
+    if has_front {
+        panel.front(&mut svg, points.to_vec());
+    }
+    panel.points(&mut svg, points, start);
+    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), 18.0, color::INK, &up.name);
+    legend(&mut svg, width, points, start, has_front.then_some("nothing is better in both"));
+    svg.finish()
+}
+
+/// One panel: a quantity against another.
 struct Panel<'a> {
-    /// The cost with its unit.
-    name: &'a str,
-    cost: fn(&Point) -> f64,
+    along: &'a ChartQuantity<'a>,
+    up: &'a ChartQuantity<'a>,
     left: f64,
     right: f64,
     x: ChartAxis,
@@ -76,17 +128,18 @@ struct Panel<'a> {
 
 impl Panel<'_> {
     fn position(&self, point: &Point) -> (f64, f64) {
-        (self.x.at((self.cost)(point)), self.y.at(point.psnr_filled_db))
+        (self.x.at((self.along.value)(point)), self.y.at((self.up.value)(point)))
     }
 
-    fn draw(&self, svg: &mut Svg, points: &[Point]) {
-        self.axes(svg);
-        self.front(svg, points.to_vec());
+    fn bars(&self, svg: &mut Svg, points: &[Point]) {
         for point in points {
             let (x, _) = self.position(point);
             let [low, high] = bar_db(point).map(|end| self.y.at(end));
             svg.line((x, low), (x, high), 0.8, BAR);
         }
+    }
+
+    fn points(&self, svg: &mut Svg, points: &[Point], start: &str) {
         for (is_baseline, radius) in [(false, 5.0), (true, 8.0)] {
             for point in points.iter().filter(|point| point.series.is_baseline() == is_baseline) {
                 let shape = Marker::of(point.series);
@@ -100,7 +153,7 @@ impl Panel<'_> {
         for point in points.iter().filter(|point| point.series == Series::Reference) {
             let (x, y) = self.position(point);
             svg.marker(Marker::Ring, (x, y), 13.0, color::INK);
-            svg.text((x + 18.0, y - 14.0), Anchor::Start, 17.0, color::INK, "default");
+            svg.text((x + 18.0, y - 14.0), Anchor::Start, 17.0, color::INK, start);
         }
     }
 
@@ -117,22 +170,32 @@ impl Panel<'_> {
         }
         svg.line((left, BOTTOM), (right, BOTTOM), 1.5, color::INK);
         svg.line((left, TOP), (left, BOTTOM), 1.5, color::INK);
-        svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, 18.0, color::INK, self.name);
+        svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, 18.0, color::INK, &self.along.name);
     }
 
-    /// The staircase along the points of the Pareto front.
+    /// The staircase along the points of the Pareto front. A step is as good as the point from which less of one quantity is had for
+    /// nothing of the other: at its left where more along is better, else at its right.
     fn front(&self, svg: &mut Svg, mut best: Vec<Point>) {
-        mark_pareto(&mut best, self.cost, |point| point.psnr_filled_db);
+        let sign = |is_wanted: bool| if is_wanted { 1.0 } else { -1.0 };
+        let (cost, gain) = (sign(!self.along.is_gain), sign(self.up.is_gain));
+        mark_pareto(
+            &mut best,
+            |point| cost * (self.along.value)(point),
+            |point| gain * (self.up.value)(point),
+        );
         best.retain(|point| point.pareto);
-        best.sort_by(|a, b| (self.cost)(a).total_cmp(&(self.cost)(b)));
+        best.sort_by(|a, b| (self.along.value)(a).total_cmp(&(self.along.value)(b)));
         let mut steps: Vec<(f64, f64)> = Vec::new();
         for (x, y) in best.iter().map(|point| self.position(point)) {
-            if let Some(&(_, before)) = steps.last() {
-                steps.push((x, before));
+            match steps.last() {
+                Some(&(before, _)) if self.along.is_gain => steps.push((before, y)),
+                Some(&(_, before)) => steps.push((x, before)),
+                None if self.along.is_gain => steps.push((self.left, y)),
+                None => {}
             }
             steps.push((x, y));
         }
-        if let Some(&(_, last)) = steps.last() {
+        if let Some(&(_, last)) = steps.last().filter(|_| !self.along.is_gain) {
             steps.push((self.right, last));
         }
         svg.path(&steps, FRONT_WIDTH, FRONT_COLOR, FRONT_DASHES);
@@ -144,7 +207,8 @@ const FRONT_WIDTH: f64 = 2.2;
 const FRONT_COLOR: &str = color::RED;
 const FRONT_DASHES: &str = "7 5";
 
-fn legend(svg: &mut Svg, points: &[Point]) {
+/// What kernels, the front and series look like, on a sheet of a width; `front` says what is on the front, if it is drawn.
+fn legend(svg: &mut Svg, width: f64, points: &[Point], start: &str, front: Option<&str>) {
     let (mut x, y) = (100.0, BOTTOM + 110.0);
     svg.text((x, y), Anchor::Start, 16.0, color::FAINT, "kernel");
     x += 80.0;
@@ -155,16 +219,17 @@ fn legend(svg: &mut Svg, points: &[Point]) {
             x += 110.0;
         }
     }
-    svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], FRONT_WIDTH, FRONT_COLOR, FRONT_DASHES);
-    let words = "Pareto front: nothing is both cheaper and closer";
-    svg.text((x + 82.0, y), Anchor::Start, 16.0, color::INK, words);
+    if let Some(front) = front {
+        svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], FRONT_WIDTH, FRONT_COLOR, FRONT_DASHES);
+        svg.text((x + 82.0, y), Anchor::Start, 16.0, color::INK, &format!("Pareto front: {front}"));
+    }
     let (mut x, mut y) = (180.0, y + 40.0);
     svg.text((100.0, y), Anchor::Start, 16.0, color::FAINT, "samples");
     for series in Series::ALL {
         if !points.iter().any(|point| point.series == series) {
             continue;
         }
-        if x > 1450.0 {
+        if x > width - 350.0 {
             (x, y) = (180.0, y + 34.0);
         }
         svg.marker(
@@ -176,7 +241,8 @@ fn legend(svg: &mut Svg, points: &[Point]) {
         if series == Series::Reference {
             svg.marker(Marker::Ring, (x, y - 5.0), 11.0, color::INK);
         }
-        svg.text((x + 18.0, y), Anchor::Start, 16.0, color::INK, series.name());
+        let name = if series == Series::Reference { start } else { series.name() };
+        svg.text((x + 18.0, y), Anchor::Start, 16.0, color::INK, name);
         x += 340.0;
     }
 }
@@ -203,5 +269,38 @@ mod tests {
             let numbers: Vec<f64> = path.split_whitespace().map(|number| number.parse().unwrap()).collect();
             assert!([numbers[1], numbers[3]].iter().all(|y| (TOP..=BOTTOM).contains(y)), "{bar}");
         }
+    }
+
+    #[test]
+    fn any_quantity_is_drawn_against_any_other_and_the_front_has_the_best_of_both() {
+        let point = |ssim, seconds_preprocess, psnr_filled_db| Point {
+            ssim,
+            seconds_preprocess,
+            psnr_filled_db,
+            ..Point::new(&Trial::new("t", Settings::default()), Series::Variation, &TrialResult::default())
+        };
+        let points = [point(0.9, 10.0, 20.0), point(0.8, 1.0, 20.0), point(0.7, 5.0, 20.0)];
+        let axes = [
+            ChartQuantity {
+                name: "SSIM".to_owned(),
+                scale: Scale::Linear,
+                value: &|point| point.ssim,
+                is_gain: true,
+            },
+            ChartQuantity {
+                name: "Pruning, s".to_owned(),
+                scale: Scale::Log,
+                value: &|point| point.seconds_preprocess,
+                is_gain: false,
+            },
+        ];
+        let chart = tradeoff("scene", &points, &axes, "mine", true);
+        for words in ["SSIM", "Pruning, s", "Pareto front: nothing is better in both"] {
+            assert!(chart.svg.contains(words), "{words}");
+        }
+        let front = chart.svg.lines().find(|line| line.contains("stroke-dasharray=\"7 5\"")).unwrap();
+        // From the left edge to the fast one, and up to the similar one: the third is beaten in both.
+        assert_eq!(front.matches('L').count(), 3, "{front}");
+        assert!(!tradeoff("scene", &points, &axes, "mine", false).svg.contains("Pareto front"));
     }
 }

@@ -25,7 +25,9 @@ impl OverlookApp {
         match message {
             Message::Opened(scene) => self.opened(&scene),
             Message::Scanned { scan, .. } => self.scanned(scan),
-            Message::Pruned { settings, result, .. } => self.pruned(settings, &result),
+            Message::Pruned { settings, result, read_seconds, .. } => {
+                self.pruned(settings, &result, read_seconds);
+            }
             Message::Inspected { inspected, .. } => {
                 state.doc.inspected = Some(inspected);
                 state.doc.failed_frame = None;
@@ -54,6 +56,7 @@ impl OverlookApp {
             Message::Stressed { point, known, .. } => state.doc.charts.add_stressed(*point, known),
             Message::Studied { left, .. } => self.studied(left),
             Message::FigureDrawn { image, width_mm } => self.figure_drawn(image, width_mm),
+            Message::ChartDrawn { study, image } => self.chart_drawn(study, image),
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
             Message::PathLoaded { path, file, .. } => self.path_loaded(&path, &file),
@@ -94,8 +97,9 @@ impl OverlookApp {
         }
     }
 
-    fn pruned(&mut self, settings: Settings, result: &Preprocessed) {
+    fn pruned(&mut self, settings: Settings, result: &Preprocessed, read_seconds: Option<f64>) {
         let state = &mut self.state;
+        state.doc.read_seconds = read_seconds.or(state.doc.read_seconds);
         // As above.
         if state.is_whole_ready() && method_of(&settings) != method_of(&state.settings) {
             return;
@@ -111,10 +115,10 @@ impl OverlookApp {
             state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Matrix));
         }
         let line = format!(
-            "Pruned the capture: {} of {} kept in {} s",
+            "Pruned the capture: {} of {} kept. {}",
             model::count(report.samples_kept),
             model::count_of(report.samples_in, "sample"),
-            model::significant(report.seconds)
+            model::took(read_seconds, report.seconds)
         );
         state.inspector.log(NoticeKind::Done, line);
         state.doc.accuracy = None;

@@ -42,6 +42,8 @@ pub(crate) struct Document {
     pub scan: Option<Arc<PreparedScan>>,
     /// The whole capture, pruned; perhaps by older settings.
     pub whole: Option<Whole>,
+    /// Seconds that reading all frames took; `None` before they were read.
+    pub read_seconds: Option<f64>,
     /// Whether the whole-capture work was stopped, by the person or as something could not be read.
     pub stopped: bool,
     /// The frame whose inspection failed last.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::app::model::results::{Accuracy, CameraMemory, Inspected};
 use crate::app::model::scene::OpenScene;
 use crate::app::model::work_kind::WorkKind;
+use crate::app::rooms::charts::model::study::Study;
 use crate::app::rooms::colors::model::value_look::FrameValues;
 use crate::app::rooms::compare::model::comparison::{CompareKey, PictureDifference};
 use crate::app::rooms::edits::model::edits::{EditKey, EditedScene};
@@ -40,6 +41,8 @@ pub(crate) enum Message {
         scene: u64,
         settings: Settings,
         result: Arc<Preprocessed>,
+        /// Seconds that reading all frames took; `None` where they were read before.
+        read_seconds: Option<f64>,
     },
     /// One frame is pruned, with reasons.
     Inspected {
@@ -123,6 +126,11 @@ pub(crate) enum Message {
     FigureDrawn {
         image: egui::ColorImage,
         width_mm: Option<f64>,
+    },
+    /// The chart of a study for the clipboard.
+    ChartDrawn {
+        study: Study,
+        image: egui::ColorImage,
     },
     /// What is shared is written.
     Exported {

@@ -25,7 +25,7 @@ pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth, pivot_of_store};
 pub(crate) use state::{Busy, SIDES, State, StoppableWork};
 pub(crate) use text::{
-    account_parts, bytes, count, count_of, percent, sentence, significant, time_left, words,
+    account_parts, bytes, count, count_of, percent, sentence, significant, time_left, took, words,
 };
 pub(crate) use texture::Texture;
 pub(crate) use work_kind::WorkKind;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{CaptureSettings, RenderSettings, Settings};
@@ -22,6 +22,8 @@ pub(crate) struct Inspected {
     pub with_scan: bool,
     /// Pixels of each camera that represent themselves.
     pub kept: Vec<u64>,
+    /// What became of all pixels of the frame.
+    pub account: PixelAccount,
 }
 
 /// How accurate the kept samples are where the truth is known.

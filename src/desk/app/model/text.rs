@@ -71,6 +71,23 @@ pub(crate) fn words(name: &str) -> String {
     sentence(&name.replace(['_', '-'], " "))
 }
 
+/// A duration: `21.8 s`, `7 min 48 s`.
+pub(crate) fn duration(seconds: f64) -> String {
+    if seconds < 59.5 {
+        return format!("{} s", significant(seconds));
+    }
+    let whole = seconds.round() as u64;
+    format!("{} min {} s", whole / 60, whole % 60)
+}
+
+/// How long reading all frames and pruning them took, seconds; `None` where the frames were read before.
+pub(crate) fn took(read: Option<f64>, pruned: f64) -> String {
+    match read {
+        Some(read) => format!("Read in {}, pruned in {}", duration(read), duration(pruned)),
+        None => format!("Pruned in {}", duration(pruned)),
+    }
+}
+
 /// What became of all pixels, in words: shares that add up.
 pub(crate) fn account_parts(account: &PixelAccount) -> [(&'static str, u64); 7] {
     [
@@ -87,6 +104,13 @@ pub(crate) fn account_parts(account: &PixelAccount) -> [(&'static str, u64); 7] 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn reading_and_pruning_are_told_apart() {
+        assert_eq!(took(Some(447.2), 21.84), "Read in 7 min 27 s, pruned in 21.8 s");
+        assert_eq!(took(None, 59.6), "Pruned in 1 min 0 s");
+        assert_eq!(took(None, 0.5), "Pruned in 0.50 s");
+    }
 
     #[test]
     fn numbers_keep_three_significant_figures() {

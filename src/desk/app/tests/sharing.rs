@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::Command;
+use crate::app::rooms::charts::model::{ChartCommand, Study};
 use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
 use crate::app::rooms::live::model::{ColorBy, ViewCommand};
 use crate::app::rooms::path::model::PathCommand;
@@ -11,7 +12,39 @@ use crate::app::rooms::share::model::{ShareCommand, ShareOptions, ShareOutcome, 
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::tests::{ready, settle, wait};
 use overlook_engine::demo::DemoSpec;
+use overlook_engine::settings::Settings;
 use overlook_engine::splats::SplatFormat;
+use overlook_lab::sweep::{Point, Series};
+use overlook_lab::trial::{Trial, TrialResult};
+
+#[test]
+fn a_chart_is_written_in_the_format_of_its_name_and_copied() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = ready(2, 2);
+    let save = Purpose::SaveChart(Study::Sweep);
+    app.apply(Command::File(FileCommand::TypePath(save)));
+    assert!(app.state.typed_path.is_none(), "no path is asked for in vain");
+    assert!(app.notices().iter().any(|notice| notice.contains("There is no sweep chart yet")));
+    let trial = Trial::new("default, gather", Settings::default());
+    let mut point = Point::new(&trial, Series::Reference, &TrialResult::default());
+    (point.psnr_filled_db, point.bytes) = (30.0, 1000);
+    app.state.doc.charts.add(point, (1, 1));
+    for (ending, begins) in [("pdf", &b"%PDF"[..]), ("svg", b"<svg"), ("png", b"\x89PNG")] {
+        let path = folder.path().join(format!("sweep.{ending}"));
+        app.take_path(save, path.clone());
+        settle(&mut app);
+        assert!(std::fs::read(&path).unwrap().starts_with(begins), "{ending}");
+    }
+    app.apply(Command::File(FileCommand::TypePath(save)));
+    assert_eq!(app.state.typed_path.as_ref().unwrap().text, "sweep.pdf");
+    app.apply(Command::Chart(ChartCommand::Copy(Study::Sweep)));
+    settle(&mut app);
+    let notices = app.notices();
+    assert!(
+        notices.iter().any(|notice| notice.contains("The sweep chart is on the clipboard")),
+        "{notices:?}"
+    );
+}
 
 #[test]
 fn what_is_stopped_leaves_nothing_behind() {

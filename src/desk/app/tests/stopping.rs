@@ -9,6 +9,7 @@ use crate::app::rooms::charts::model::{ChartCommand, Study};
 use crate::app::rooms::files::model::Purpose;
 use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::pixel::model::{PixelCommand, Spot};
+use crate::app::rooms::report::ui::totals::figures;
 use crate::app::rooms::settings::model::SettingsCommand;
 use crate::app::tests::{orrery, ready, set_method, settle, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
@@ -79,6 +80,27 @@ fn numbers_that_are_out_of_date_say_whether_they_will_be_brought_up_to_date() {
     assert!(app.state.stale_note().unwrap().contains("being brought up to date"));
     app.state.doc.stopped = true;
     assert!(app.state.stale_note().unwrap().contains("Recompute"));
+}
+
+#[test]
+fn until_a_capture_is_pruned_the_figures_are_those_of_the_frame_that_is_shown_and_say_so() {
+    let mut app = ready(3, 2);
+    let whole = app.state.doc.whole.take();
+    let account = app.state.doc.inspected.as_ref().unwrap().account;
+    assert!(account.kept > 0 && account.redundant > 0 && account.sum() == account.pixels, "{account:?}");
+    let kept: u64 = app.state.doc.inspected.as_ref().unwrap().kept.iter().sum();
+    assert_eq!(account.kept, kept);
+    let of = |app: &OverlookApp, name: &str| {
+        let figure = figures(&app.state).into_iter().find(|figure| figure.name == name).unwrap();
+        (figure.value, figure.note)
+    };
+    for name in ["Samples kept", "Dropped", "Memory"] {
+        let (value, note) = of(&app, name);
+        assert!(value != "…" && note == "this frame", "{name}: {value} {note}");
+    }
+    app.state.doc.whole = whole;
+    assert_eq!(of(&app, "Samples kept").1, "of 10.4 k", "all frames of all cameras");
+    assert_eq!(of(&app, "Dropped").1, "");
 }
 
 /// Copies the small capture that comes along.

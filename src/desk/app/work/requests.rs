@@ -25,6 +25,7 @@ use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{CaptureSettings, RenderSettings, Settings};
 use overlook_engine::splats::SplatOptions;
 use overlook_engine::store::playback::Playback;
+use overlook_lab::chart::Chart;
 use overlook_lab::stress::StressPoint;
 use overlook_lab::sweep::Point;
 
@@ -100,6 +101,16 @@ pub(crate) enum FileRequest {
         path: PathBuf,
         text: String,
     },
+    /// Write a chart in the format that the path's ending names.
+    SaveChart {
+        path: PathBuf,
+        chart: Chart,
+    },
+    /// The same, for the clipboard.
+    CopyChart {
+        study: Study,
+        chart: Chart,
+    },
     /// Write the pictures of a camera path, of this size, as a manifest.
     SavePath {
         path: PathBuf,
@@ -136,11 +147,13 @@ impl FileRequest {
             | Self::SaveEdits { path, .. }
             | Self::SaveSettings { path, .. }
             | Self::SaveText { path, .. }
+            | Self::SaveChart { path, .. }
             | Self::SavePicture { path, .. }
             | Self::SaveCameras { path, .. }
             | Self::SavePath { path, .. } => {
                 ("Saving stopped", format!("Nothing was written to {}.", path.display()))
             }
+            Self::CopyChart { .. } => ("Copying stopped", "Nothing was copied.".to_owned()),
             Self::LoadSettings { path }
             | Self::LoadPath { path, .. }
             | Self::LoadEdits { path, .. }

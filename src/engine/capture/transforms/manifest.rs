@@ -328,7 +328,11 @@ impl Manifest {
         let mut manifest: Self = serde_json::from_slice(bytes).map_err(|error| {
             let what = wrong_value::<PictureEntry, Keys>(bytes).unwrap_or_else(|| error.to_string());
             let what = one_line(&what);
-            let what = format!("not a manifest ({what}); see the keys of nerfstudio's transforms.json");
+            let what = if error.is_data() {
+                format!("{what}; correct the manifest, whose keys are those of nerfstudio's transforms.json")
+            } else {
+                format!("it holds no JSON ({what}); choose a manifest, such as nerfstudio's transforms.json")
+            };
             Error::invalid(place, what)
         })?;
         for entry in &mut manifest.frames {

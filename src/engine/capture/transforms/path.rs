@@ -330,8 +330,7 @@ mod tests {
     fn what_is_no_path_gives_one_line_that_says_why() {
         let no_size = r#"{"frames": [{"file_path": "a", "fl_x": 5,
             "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]}"#;
-        for (text, why) in [("", "not a manifest"), ("hello", "not a manifest"), (no_size, "\"w\" and \"h\"")]
-        {
+        for (text, why) in [("", "holds no JSON"), ("hello", "holds no JSON"), (no_size, "\"w\" and \"h\"")] {
             let error = path_from_json(text.as_bytes(), Path::new("clipboard")).unwrap_err().to_string();
             assert!(
                 error.starts_with("clipboard") && error.contains(why) && !error.contains('\n'),

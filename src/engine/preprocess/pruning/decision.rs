@@ -198,7 +198,9 @@ impl Rule {
         match self {
             Self::NoSample => "No sample: the pixel has no depth.",
             Self::OnlyWitness => "Kept: no other camera has a sample of this point throughout its span.",
-            Self::BestRate => "Kept: no clean sample of this point with a known normal is denser.",
+            Self::BestRate => {
+                "Kept: of all reliable samples of this point, it has the highest sampling rate."
+            }
             Self::Coverage => {
                 "Kept: the better sample cannot replace it. That one was dropped for a sample that does not show this point, or it lives in a longer span and is not compared."
             }

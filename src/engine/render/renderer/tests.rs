@@ -78,3 +78,17 @@ fn the_cpu_takes_over_with_a_notice_when_the_adapter_is_lost() {
     }
     assert!(matches!(renderer.adapter, Adapter::Missing(_)));
 }
+
+#[test]
+fn samples_are_counted_once_where_edges_are_rendered_again() {
+    let (samples, vantage) = scene();
+    let vantage = Vantage { camera: samples.cameras[0].clone(), ..vantage };
+    let stats = |antialias| {
+        let settings = RenderSettings { antialias, ..settings(Backend::Cpu) };
+        let again = supersamples_edges(&RecordedRates::of(&samples, &vantage), &vantage, &settings);
+        assert_eq!(again, antialias == Antialias::Supersampled);
+        Renderer::new().render(&samples, &vantage, &settings, &Job::new()).unwrap().1
+    };
+    let [once, twice] = [Antialias::Off, Antialias::Supersampled].map(stats);
+    assert!(once.samples > 0 && once.samples == twice.samples, "{once:?} {twice:?}");
+}

@@ -1,10 +1,10 @@
 //! Carries out what concerns charts, and what is measured for them.
 
-use super::model::{ChartCommand, Study, StudyQuestion, to_measure};
+use super::model::{ChartCommand, Study, StudyQuestion, sheet, to_measure};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::settings::model::setting_names;
-use crate::app::work::StudyRequest;
+use crate::app::work::{FileRequest, StudyRequest};
 use overlook_engine::settings::Settings;
 use overlook_lab::stress::StressPlan;
 use overlook_lab::sweep::SweepPlan;
@@ -32,7 +32,25 @@ impl OverlookApp {
             ChartCommand::Disturbance(name) => charts.disturbance = name,
             ChartCommand::Toggle(study, series) => charts.toggle(study, series),
             ChartCommand::DialScale(scale) => charts.dial_scale = scale,
+            ChartCommand::Copy(study) => self.copy_chart(study),
         }
+    }
+
+    /// Draws a chart for the clipboard.
+    fn copy_chart(&mut self, study: Study) {
+        match sheet(study, &self.state) {
+            Some(chart) => self.workers.file.submit(FileRequest::CopyChart { study, chart }),
+            None => self.state.warn_of_scene("Nothing to copy", study.no_chart()),
+        }
+    }
+
+    /// Takes in a chart that was drawn to be copied.
+    pub(crate) fn chart_drawn(&mut self, study: Study, image: egui::ColorImage) {
+        let [columns, rows] = image.size;
+        self.ctx.copy_image(image);
+        let name = study.chart_name();
+        let text = format!("The {name} is on the clipboard: {columns}×{rows} pixels.");
+        self.state.notify(NoticeKind::Done, "Copied", text);
     }
 
     /// Asks what to measure, and says how much that is.

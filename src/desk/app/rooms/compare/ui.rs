@@ -139,14 +139,14 @@ fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
     if let Content::Capture { truth, .. } = &scene.content {
         places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
             let help = "Viewed from this camera, rendered from the samples of all others.".to_owned();
-            (CompareVantage::HoldOut(index), format!("Hold-out {}", camera.name), help)
+            (CompareVantage::HoldOut(index), format!("Camera {}, held out", camera.name), help)
         }));
         let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
         places.extend(known.map(|(index, view)| {
             let path = &view.file_path;
             (
                 CompareVantage::Truth(index),
-                format!("Truth {path}"),
+                format!("True picture {}", index + 1),
                 format!("A viewpoint whose true picture is known: {path}."),
             )
         }));

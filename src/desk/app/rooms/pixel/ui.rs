@@ -10,7 +10,7 @@ use super::model::{Probed, verdict_text as words};
 use crate::app::camera_chips::chips;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::cameras::model::CameraText;
-use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::live::model::{Unit, ViewCommand};
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::report::model::{Table, TableForm};
 use crate::app::theme::{Tokens, space};
@@ -111,7 +111,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         ui.add(Label::new(RichText::new(text).color(tokens.text_weak)).wrap());
     }
     let point = match probed.point_in_world {
-        Some(p) => Some(format!("Point {:.3}, {:.3}, {:.3}", p.x, p.y, p.z)),
+        Some(p) => Some(format!("Point {:.3}, {:.3}, {:.3} {}", p.x, p.y, p.z, state.live.unit.name())),
         // Not known until the capture was searched.
         None if probed.explanation.is_none() && state.has_capture() => None,
         None => Some("Infinitely far, or without depth".to_owned()),
@@ -225,6 +225,8 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
     let order = words::ordered(&explanation.evidence, explanation.winner);
     let scale = if narrow { 0.86 } else { 1.0 };
     let mut table = TableBuilder::new(ui).id_salt("evidence").striped(true).auto_shrink(false);
+    // Letters of several sizes stand on one middle.
+    table = table.cell_layout(Layout::left_to_right(Align::Center));
     for (_, width, _) in &COLUMNS[..COLUMNS.len() - 1] {
         table = table.column(Column::initial(width * scale).at_least(24.0).clip(true).resizable(true));
     }
@@ -273,12 +275,12 @@ fn row_ui(
             }
         });
     };
-    cell(depth_words(row), false, String::new());
+    cell(depth_words(row), false, depth_help(row, state.live.unit));
     let off = row.plane_distance_footprints;
     let help = format!(
-        "{} footprints of {} units; the tolerance is {}.",
+        "{} footprints of {}; the tolerance is {}.",
         words::distance(off),
-        words::number(row.footprint),
+        state.live.unit.length(row.footprint),
         tolerance.depth_tolerance
     );
     cell(words::distance(off), off > f64::from(tolerance.depth_tolerance), help);
@@ -311,6 +313,13 @@ fn depth_words(row: &CameraEvidence) -> String {
         (_, true) => words::number(row.depth_expected),
         _ => format!("{} / {}", words::number(row.depth_expected), words::number(row.depth_found)),
     }
+}
+
+/// The same with the unit of the scene.
+fn depth_help(row: &CameraEvidence, unit: Unit) -> String {
+    let part = |name: &str, depth: f64| (!depth.is_nan()).then(|| format!("{name} {}", unit.length(depth)));
+    let parts = [part("Expected", row.depth_expected), part("found", row.depth_found)];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// A button with the name of a row's camera: it shows the point in the camera's picture.

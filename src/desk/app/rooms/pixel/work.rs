@@ -84,7 +84,8 @@ impl Wanted for MemoryRequest {
 /// Largest side of a thumbnail, pixels: of many, smaller ones, as all are sent to the screen at once.
 fn side(cameras: usize) -> usize {
     match cameras {
-        0..=16 => 256,
+        0..=6 => 512,
+        7..=16 => 256,
         17..=64 => 128,
         _ => 64,
     }

@@ -1,6 +1,7 @@
 //! Prunes the open capture: all of it, or the frame shown.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::app::model::{Inspected, Message};
 use crate::app::work::requests::PruneRequest;
@@ -8,20 +9,26 @@ use crate::app::work::worker::Outbox;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess;
+use overlook_engine::preprocess::diagnostics::PixelAccount;
+use overlook_engine::preprocess::inspect::FrameInspection;
+use overlook_engine::preprocess::pruning::Rule;
 
 /// Prunes a whole capture, after the pass over its frames.
 pub(crate) fn prune_whole(request: PruneRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
     let PruneRequest { scene, scan, settings, .. } = request;
     let capture = scene.source()?;
+    let mut read_seconds = None;
     let scan = if let Some(scan) = scan.filter(|scan| scan.serves(&settings)) {
         scan
     } else {
+        let started = Instant::now();
         let scan = preprocess::scan(capture, &settings, job)?;
+        read_seconds = Some(started.elapsed().as_secs_f64());
         outbox.send(Message::Scanned { scene: scene.id, scan: scan.clone() });
         scan
     };
     let result = preprocess::prune(capture, &scan, &settings, job)?;
-    Ok(Message::Pruned { scene: scene.id, settings, result: Arc::new(result) })
+    Ok(Message::Pruned { scene: scene.id, settings, result: Arc::new(result), read_seconds })
 }
 
 /// Prunes one frame, with reasons.
@@ -32,8 +39,27 @@ pub(crate) fn inspect(request: PruneRequest, job: &Job) -> Result<Message> {
     for image in &inspection.samples.images {
         kept[image.camera as usize] += image.len() as u64;
     }
-    let inspected = Inspected { inspection: Arc::new(inspection), settings, with_scan: scan.is_some(), kept };
+    let account = account_of(&inspection);
+    let inspection = Arc::new(inspection);
+    let inspected = Inspected { inspection, settings, with_scan: scan.is_some(), kept, account };
     Ok(Message::Inspected { scene: scene.id, inspected })
+}
+
+/// What became of all pixels of one frame. Nothing repeats in it, and what is cut by hand has no depth there.
+fn account_of(inspection: &FrameInspection) -> PixelAccount {
+    let mut account = PixelAccount::default();
+    for verdict in inspection.cameras.iter().flat_map(|camera| camera.verdict.as_slice()) {
+        account.pixels += 1;
+        let part = match verdict.rule {
+            Rule::NoSample => &mut account.without_depth,
+            Rule::MixedYields | Rule::MixedDropped => &mut account.mixed,
+            Rule::Contradicted => &mut account.contradicted,
+            rule if rule.keeps() => &mut account.kept,
+            _ => &mut account.redundant,
+        };
+        *part += 1;
+    }
+    account
 }
 
 /// Makes a frame ready for its thresholds to be turned.

@@ -92,7 +92,7 @@ pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands
 fn row_ui(ui: &mut Ui, state: &State, index: usize, name: &str, commands: &mut Commands) {
     let cameras = &state.live.cameras;
     let is_on = !cameras.off.contains(&index);
-    let (icon, verb) = if is_on { (ICON_VISIBILITY, "Leave out") } else { (ICON_VISIBILITY_OFF, "Show") };
+    let (icon, verb) = if is_on { (ICON_VISIBILITY, "Hide") } else { (ICON_VISIBILITY_OFF, "Show") };
     let help = format!("{verb} the samples of {name} in the live view");
     if icon_button(ui, icon, &format!("{verb} {name}"), &help).clicked() {
         commands.push(Command::View(ViewCommand::CameraOn(index, !is_on)));

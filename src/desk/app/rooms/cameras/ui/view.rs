@@ -1,7 +1,7 @@
 //! Every camera as a thumbnail: its kept share, and where it sees the selected pixel.
 
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Painter, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{Painter, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use egui_material_icons::icons::ICON_PHOTO_LIBRARY;
 
 use crate::app::model::{Command, Commands, OpenScene, State};
@@ -16,6 +16,27 @@ use crate::app::{camera_cues, model, widgets};
 /// Height of the two lines below a thumbnail.
 const CAPTION: f32 = 34.0;
 
+/// Height of the view from which on thumbnails stand in rows.
+const ROWS: f32 = 330.0;
+
+/// Heights of a thumbnail with its caption where they stand in rows.
+const HEIGHTS: std::ops::RangeInclusive<f32> = 150.0..=520.0;
+
+/// Widths of a thumbnail.
+const WIDTHS: std::ops::RangeInclusive<f32> = 90.0..=800.0;
+
+/// The largest height of thumbnails at which all of them fit into an area; the least where none does. `ratio` is the width of the
+/// widest picture over its height.
+fn height_of_all(area: Vec2, cameras: usize, ratio: f32, gap: Vec2) -> f32 {
+    let height = |columns: usize| {
+        let rows = cameras.div_ceil(columns) as f32;
+        let width = area.x / columns as f32 - gap.x;
+        (area.y / rows - gap.y).min(width / ratio + CAPTION)
+    };
+    let largest = (1..=cameras.max(1)).map(height).fold(0.0, f32::max);
+    largest.floor().clamp(*HEIGHTS.start(), *HEIGHTS.end())
+}
+
 pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.doc.scene else { return };
     if !state.has_capture() {
@@ -23,13 +44,22 @@ pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
         empty_ui(ui, ICON_PHOTO_LIBRARY, "No pictures to show", text, |_| {});
         return;
     }
-    // Thumbnails keep the height of the view; where there is room for several rows they wrap.
+    // Thumbnails keep the height of the view; where there is room for several rows they wrap, and are as large as lets all be seen.
     let area = ui.available_size();
-    let height = if area.y > 330.0 { 150.0 } else { (area.y - space::MEDIUM).max(60.0) };
     let order = order(state, scene);
+    let height = if area.y > ROWS {
+        let ratio = |index: &usize| {
+            let (columns, rows) = scene.cameras[*index].intrinsics.size();
+            columns as f32 / rows.max(1) as f32
+        };
+        let widest = order.iter().map(ratio).fold(0.1, f32::max);
+        height_of_all(area - ui.spacing().item_spacing, order.len(), widest, ui.spacing().item_spacing)
+    } else {
+        (area.y - space::MEDIUM).max(60.0)
+    };
     let widest = order.iter().map(|index| card_width(scene, *index, height)).fold(0.0, f32::max);
     let step = vec2(widest, height) + ui.spacing().item_spacing;
-    let columns = if area.y > 330.0 { ((area.x / step.x) as usize).max(1) } else { order.len() };
+    let columns = if area.y > ROWS { ((area.x / step.x) as usize).max(1) } else { order.len() };
     let rows = order.len().div_ceil(columns.max(1));
     let whole = vec2(columns as f32 * step.x, rows as f32 * step.y);
     // Of hundreds of cameras only those in view are drawn.
@@ -66,7 +96,7 @@ fn order(state: &State, scene: &OpenScene) -> Vec<usize> {
 
 fn card_width(scene: &OpenScene, index: usize, height: f32) -> f32 {
     let (columns, rows) = scene.cameras[index].intrinsics.size();
-    ((height - CAPTION) * columns as f32 / rows.max(1) as f32).clamp(90.0, 400.0)
+    ((height - CAPTION) * columns as f32 / rows.max(1) as f32).clamp(*WIDTHS.start(), *WIDTHS.end())
 }
 
 /// A camera's thumbnail with its caption, which answers clicks.
@@ -166,4 +196,24 @@ fn kept_words(state: &State, index: usize) -> String {
     let Some(inspected) = inspected else { return "…".to_owned() };
     let pixels = inspected.inspection.cameras[index].verdict.len() as u64;
     format!("{} kept", model::percent(inspected.kept[index], pixels))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thumbnails_are_as_large_as_lets_all_of_them_be_seen() {
+        let gap = vec2(8.0, 8.0);
+        let height = |x: f32, y: f32, cameras: usize| height_of_all(vec2(x, y), cameras, 4.0 / 3.0, gap);
+        for (x, y, cameras) in [(1200.0, 700.0, 5), (1200.0, 700.0, 3), (1900.0, 1000.0, 20)] {
+            let height = height(x, y, cameras);
+            let width = (height - CAPTION) * 4.0 / 3.0;
+            let columns = (x / (width + gap.x)) as usize;
+            let rows = cameras.div_ceil(columns);
+            assert!(height > 150.0 && rows as f32 * (height + gap.y) <= y, "{height}: {columns}×{rows}");
+        }
+        assert_eq!(height(1200.0, 700.0, 300), 150.0, "many are scrolled");
+        assert_eq!(height(4000.0, 3000.0, 1), 520.0);
+    }
 }

@@ -27,7 +27,7 @@ impl Quantity {
         (Self::Bytes, "Store size", Scale::Log),
         (Self::Samples, "Samples", Scale::Log),
         (Self::Milliseconds, "Rendering a view, ms", Scale::Log),
-        (Self::Seconds, "Preprocessing, s", Scale::Log),
+        (Self::Seconds, "Reading and pruning, s", Scale::Log),
     ];
 
     pub(crate) fn name(self) -> &'static str {
@@ -38,6 +38,26 @@ impl Quantity {
     pub(crate) fn axis_name(self) -> String {
         let better = if self.is_gain() { "higher" } else { "lower" };
         format!("{} ({better} is better)", self.name())
+    }
+
+    /// Its name for an axis on paper, whose numbers have no unit of their own.
+    pub(super) fn name_on_paper(self) -> String {
+        let unit = match self {
+            Self::Bytes => ", MB",
+            Self::Samples => ", thousands",
+            _ => "",
+        };
+        self.axis_name().replacen(self.name(), &format!("{}{unit}", self.name()), 1)
+    }
+
+    /// Its value in the unit of [`Self::name_on_paper`].
+    pub(super) fn on_paper(self, point: &Point) -> f64 {
+        let unit = match self {
+            Self::Bytes => 1e6,
+            Self::Samples => 1e3,
+            _ => 1.0,
+        };
+        self.value(point) / unit
     }
 
     pub(crate) fn is_gain(self) -> bool {

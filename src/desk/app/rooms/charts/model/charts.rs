@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::time::Instant;
 
 use super::axis::{Quantity, ShownAxis, place};
-use super::names::settings_alone;
+use super::names::{kernel_name, series_name, settings_alone};
 use super::study::{Study, StudyChoice};
 use crate::app::model::results::method_of;
 use overlook_engine::plural::counted;
@@ -141,6 +141,12 @@ impl Charts {
     /// Whether a series of a chart is shown.
     pub(crate) fn shows(&self, study: Study, series: &str) -> bool {
         self.hidden.is_empty() || !self.hidden.contains(&(study, series.to_owned()))
+    }
+
+    /// Whether a point of the sweep is shown: its series and its kernel are.
+    pub(crate) fn shows_point(&self, point: &Point) -> bool {
+        let names = [series_name(point.series), &kernel_name(point.settings.render.kernel)];
+        names.iter().all(|name| self.shows(Study::Sweep, name))
     }
 
     /// Leaves a series out, or shows it again.
@@ -280,7 +286,7 @@ mod tests {
         charts.set_axes([Quantity::Psnr, Quantity::Seconds].map(ShownAxis::of));
         let logarithm = 3.0_f64.log10();
         assert_eq!(charts.front(), [[10.0, 0.0], [30.0, logarithm]]);
-        assert_eq!(Quantity::Seconds.axis_name(), "Preprocessing, s (lower is better)");
+        assert_eq!(Quantity::Seconds.axis_name(), "Reading and pruning, s (lower is better)");
     }
 
     #[test]

@@ -17,6 +17,8 @@ pub(crate) enum ChartCommand {
     Choose(Study, Box<StudyChoice>),
     /// Leave a series of a chart out, by its name, or show it again.
     Toggle(Study, String),
+    /// Copy a chart as a picture.
+    Copy(Study),
     /// How the sizes of disturbances are spread.
     DialScale(Scale),
 }

@@ -1,6 +1,7 @@
 //! What points, series and methods are called in the window, and which settings give a point.
 
-use overlook_engine::settings::Settings;
+use crate::app::rooms::settings::model::setting_names;
+use overlook_engine::settings::{Kernel, Settings};
 use overlook_lab::sweep::{Point, Series};
 
 /// The settings that give a point; `None` where samples were thinned or cameras left out besides, so that they do not.
@@ -13,12 +14,20 @@ pub(crate) fn settings_alone(point: &Point) -> Option<&Settings> {
     (!more_was_done).then_some(&point.settings)
 }
 
-/// The start of a sweep in the window: the settings on the sliders.
-const START: &str = "your settings";
+/// The start of a sweep and of a stress test in the window: the settings on the sliders.
+pub(crate) const START: &str = "your settings";
+
+/// The line through what no other point beats.
+pub(crate) const FRONT: &str = "Pareto front";
 
 /// Name of a series in the window.
 pub(crate) fn series_name(series: Series) -> &'static str {
     if series == Series::Reference { START } else { series.name() }
+}
+
+/// Name of a kernel in the window.
+pub(crate) fn kernel_name(kernel: Kernel) -> String {
+    setting_names::choice("render.kernel", kernel.name())
 }
 
 /// Name of a method of a stress test in the window.

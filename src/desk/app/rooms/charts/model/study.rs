@@ -25,11 +25,34 @@ pub(crate) enum Study {
 }
 
 impl Study {
+    pub(crate) const ALL: [Self; 2] = [Self::Sweep, Self::Stress];
+
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Sweep => "Sweep",
             Self::Stress => "Stress test",
         }
+    }
+
+    /// What its chart is called in commands.
+    pub(crate) fn chart_name(self) -> &'static str {
+        match self {
+            Self::Sweep => "sweep chart",
+            Self::Stress => "stress test chart",
+        }
+    }
+
+    /// Name of the file of its chart.
+    pub(crate) fn chart_file(self) -> &'static str {
+        match self {
+            Self::Sweep => "sweep.pdf",
+            Self::Stress => "stress.pdf",
+        }
+    }
+
+    /// Why no chart of it can be copied or saved.
+    pub(crate) fn no_chart(self) -> String {
+        format!("There is no {} yet, or all of its series are left out.", self.chart_name())
     }
 }
 

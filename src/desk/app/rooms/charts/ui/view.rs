@@ -7,15 +7,15 @@ use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
 use super::parts::{
-    HINT, Mark, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape, study_button,
-    tick_values,
+    HINT, Mark, chart_buttons_ui, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape,
+    study_button, tick_values,
 };
 use crate::app::camera_cues;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::model::{
-    ChartCommand, Charts, Quantity, ShownAxis, Study, TICKS, coordinate, method_name, place, point_name,
-    series_name, settings_alone,
+    ChartCommand, Charts, FRONT, Quantity, START, ShownAxis, Study, TICKS, coordinate, kernel_name,
+    method_name, place, point_name, series_name, settings_alone,
 };
 use crate::app::rooms::report::model::Table;
 use crate::app::rooms::settings::model::{SettingsCommand, setting_names};
@@ -27,8 +27,7 @@ use overlook_lab::chart::{ChartSeries, Marker, Scale, series};
 use overlook_lab::stress::{StressPlan, StressPoint, distinct};
 use overlook_lab::sweep::{Point, Series};
 
-/// Names of the line and of the ring in the chart.
-const FRONT: &str = "Pareto front";
+/// Name of the ring in the chart.
 const CURRENT: &str = "current";
 
 pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
@@ -50,14 +49,18 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let colors =
         kernels.iter().map(|(color, name)| (Mark::Points(MarkerShape::Circle), *color, name.as_str()));
     let shapes = Series::ALL.into_iter().filter(|series| drawn.iter().any(|of| of.kind.1 == *series));
-    let shapes =
-        shapes.map(|series| (Mark::Points(shape(Marker::of(series))), tokens.text_weak, series_name(series)));
+    let shapes = shapes.map(|series| {
+        let (shape, color) = if series == Series::Reference {
+            own_look(&tokens)
+        } else {
+            (shape(Marker::of(series)), tokens.text_weak)
+        };
+        (Mark::Points(shape), color, series_name(series))
+    });
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, CURRENT)];
     let lines = &lines[..=usize::from(current.is_some())];
     legend_ui(ui, charts, Study::Sweep, colors.chain(shapes).chain(lines.iter().copied()), commands);
-    let is_shown = |point: &&Point| {
-        shows(series_name(point.series)) && shows(&kernel_name(point.settings.render.kernel))
-    };
+    let is_shown = |point: &&Point| charts.shows_point(point);
     let shown: Vec<&Point> = charts.sweep.iter().filter(is_shown).collect();
     let placed: Vec<_> = shown.iter().filter_map(|point| Some((*point, place(axes, point)?))).collect();
     let places: Vec<_> = placed.iter().map(|(_, place)| *place).collect();
@@ -70,8 +73,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             let name = format!("{}, {}", series_name(series), kernel_name(kernel));
             let points = points.into_iter().filter(|point| is_shown(point));
             let points: Vec<_> = points.filter_map(|point| place(axes, point)).collect();
-            let shape = shape(Marker::of(series));
-            plot_ui.points(Points::new(name, points).color(kernel_color(kernel)).radius(4.0).shape(shape));
+            let (shape, color) = look_of_series(series, kernel, &tokens);
+            plot_ui.points(Points::new(name, points).color(color).radius(4.0).shape(shape));
         }
         if let Some(at) = current.filter(|_| shows(CURRENT)) {
             plot_ui.points(Points::new(CURRENT, vec![at]).color(tokens.mark).radius(8.0).filled(false));
@@ -92,12 +95,21 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-fn kernel_color(kernel: Kernel) -> Color32 {
-    camera_cues::color(Kernel::ALL.iter().position(|of| *of == kernel).unwrap_or(0))
+/// Shape and color of what the settings on the sliders gave, in every chart: that of text, which no kernel and no other method has.
+fn own_look(tokens: &Tokens) -> (MarkerShape, Color32) {
+    (MarkerShape::Circle, tokens.text)
 }
 
-fn kernel_name(kernel: Kernel) -> String {
-    setting_names::choice("render.kernel", kernel.name())
+/// Shape and color of points of a sweep.
+fn look_of_series(series: Series, kernel: Kernel, tokens: &Tokens) -> (MarkerShape, Color32) {
+    match series {
+        Series::Reference => own_look(tokens),
+        _ => (shape(Marker::of(series)), kernel_color(kernel)),
+    }
+}
+
+fn kernel_color(kernel: Kernel) -> Color32 {
+    camera_cues::color(Kernel::ALL.iter().position(|of| *of == kernel).unwrap_or(0))
 }
 
 /// What is along and up, and the button that measures.
@@ -117,6 +129,7 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         }
         study_button(ui, state, Study::Sweep, commands);
+        chart_buttons_ui(ui, Study::Sweep, commands);
         table_buttons_ui(ui, Table::Sweep, commands);
     });
 }
@@ -202,6 +215,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
             commands.push(Command::Chart(ChartCommand::DialScale(scale)));
         }
         study_button(ui, state, Study::Stress, commands);
+        chart_buttons_ui(ui, Study::Stress, commands);
         table_buttons_ui(ui, Table::StressTest, commands);
     });
     if let Some(words) = charts.stale_stress_note(&state.settings) {
@@ -222,7 +236,11 @@ static METHODS: LazyLock<Vec<String>> = LazyLock::new(|| {
 });
 
 /// Shape, color and name of a method: its own, whichever disturbance is shown and however much is measured.
-fn look(method: &str) -> (MarkerShape, Color32, &str) {
+fn look<'a>(method: &'a str, tokens: &Tokens) -> (MarkerShape, Color32, &'a str) {
+    if method_name(method) == START {
+        let (shape, color) = own_look(tokens);
+        return (shape, color, START);
+    }
     let index = METHODS.iter().position(|name| name == method).unwrap_or(METHODS.len());
     (SHAPES[index % SHAPES.len()], camera_cues::color(index), method_name(method))
 }
@@ -237,7 +255,8 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, charts: &Charts, commands: 
     let shown: Vec<&StressPoint> = here.iter().copied().filter(|point| shows(point)).collect();
     let placed: Vec<_> = shown.iter().filter_map(|point| Some((*point, place(point)?))).collect();
     let methods = distinct(here.iter().map(|point| point.method.as_str()));
-    let looks = methods.iter().copied().map(look);
+    let tokens = *Tokens::in_ui(ui);
+    let looks = methods.iter().copied().map(|method| look(method, &tokens));
     let entries = looks.map(|(shape, color, name)| (Mark::Points(shape), color, name));
     legend_ui(ui, charts, Study::Stress, entries, commands);
     let unit = here.first().map_or("", |point| point.unit.as_str());
@@ -256,7 +275,7 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, charts: &Charts, commands: 
         .y_axis_formatter(number(Scale::Linear));
     let plot = plot.show(ui, |plot_ui| {
         for method in &methods {
-            let (shape, color, name) = look(method);
+            let (shape, color, name) = look(method, &tokens);
             let of_method = placed.iter().filter(|(point, _)| point.method == *method);
             let places: Vec<_> = of_method.map(|(_, place)| *place).collect();
             plot_ui.line(Line::new(name, PlotPoints::from(places.clone())).color(color).width(2.0));
@@ -296,12 +315,34 @@ mod tests {
     }
 
     #[test]
+    fn a_method_has_a_look_of_its_own_and_your_settings_have_one_in_all_charts() {
+        for dark in [false, true] {
+            let tokens = Tokens::of(dark);
+            let looks: Vec<_> = METHODS.iter().map(|method| look(method, tokens)).collect();
+            assert!(looks.len() > 3, "{looks:?}");
+            for (nth, (shape, color, name)) in looks.iter().enumerate() {
+                let before = &looks[..nth];
+                assert!(!before.iter().any(|other| (other.0, other.1) == (*shape, *color)), "{name}");
+            }
+            let (shape, color, _) = look("ours", tokens);
+            for kernel in Kernel::ALL.iter().copied() {
+                assert_eq!(look_of_series(Series::Reference, kernel, tokens), (shape, color));
+                assert_ne!(look_of_series(Series::Variation, kernel, tokens), (shape, color));
+            }
+        }
+        assert_eq!(
+            look("of another version", Tokens::of(true)),
+            look("of another version", Tokens::of(false))
+        );
+    }
+
+    #[test]
     fn a_point_is_told_by_the_axes_that_are_shown_and_by_the_names_of_the_panel() {
         let trial = Trial::new("spans.color_tolerance = 4, gather", Settings::default());
         let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
         (point.seconds_preprocess, point.flip) = (2.5, 0.125);
         let told = words(&point, [Quantity::Seconds, Quantity::Flip]);
         assert!(told.starts_with("Static color range: 4, gather\n"), "{told}");
-        assert!(told.contains("Preprocessing, s: 2.50\nFLIP: 0.125\n"), "{told}");
+        assert!(told.contains("Reading and pruning, s: 2.50\nFLIP: 0.125\n"), "{told}");
     }
 }

@@ -56,12 +56,16 @@ impl CompareSide {
         (
             Self::Truth,
             "Truth",
-            "What a camera recorded there; known at viewpoints with a true picture and at hold-out cameras.",
+            "What a camera recorded there; known at viewpoints with a true picture and at cameras that are held out.",
         ),
-        (Self::Point, "Kernel point", "The kept samples, one pixel each."),
-        (Self::Block, "Kernel block", "The kept samples, blended over 2×2 pixels."),
-        (Self::Surfel, "Kernel surfel", "The kept samples as oriented footprints."),
-        (Self::Gather, "Kernel gather", "The kept samples, surface first and color second."),
+        (Self::Point, "Points", "The kept samples, one pixel each (the kernel point)."),
+        (Self::Block, "2×2 blocks", "The kept samples, blended over 2×2 pixels (the kernel block)."),
+        (Self::Surfel, "Surfels", "The kept samples as oriented footprints (the kernel surfel)."),
+        (
+            Self::Gather,
+            "Interpolated cameras",
+            "The kept samples, surface first and color second (the kernel gather).",
+        ),
         (Self::Cpu, "CPU", "The kept samples, rendered by the CPU."),
         (Self::Gpu, "GPU", "The kept samples, rendered by the GPU."),
         (

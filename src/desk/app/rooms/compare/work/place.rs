@@ -108,7 +108,7 @@ fn views_with_truth(scene: &OpenScene) -> Result<Vec<&TruthView>> {
 pub(crate) fn unknown_truth() -> Error {
     Error::invalid(
         "comparison",
-        "The truth is known only at viewpoints with a true picture and at hold-out cameras: choose one in the last list above.",
+        "The truth is known only at viewpoints with a true picture and at cameras that are held out: choose one in the last list above.",
     )
 }
 

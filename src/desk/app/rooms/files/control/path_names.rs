@@ -21,7 +21,7 @@ fn endings(purpose: Purpose) -> Option<&'static [&'static str]> {
     match purpose {
         Purpose::ExportFilm => Some(&["mp4", "m4v"]),
         Purpose::ExportPage => Some(&["html", "htm"]),
-        Purpose::ExportFigure => Some(&FIGURE_ENDINGS),
+        Purpose::ExportFigure | Purpose::SaveChart(_) => Some(&FIGURE_ENDINGS),
         Purpose::SaveTable(_) => Some(&["csv", "md", "tex"]),
         Purpose::SaveSession => Some(&[SESSION_ENDING]),
         Purpose::SaveCameras => Some(&["json"]),
@@ -47,6 +47,7 @@ pub(crate) fn suggested_name(state: &State, purpose: Purpose) -> String {
         Purpose::SaveSettings => "settings.toml".to_owned(),
         Purpose::SavePicture => "picture.png".to_owned(),
         Purpose::SaveTable(table) => table.file().to_owned(),
+        Purpose::SaveChart(study) => study.chart_file().to_owned(),
         Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
         Purpose::ExportFilm => "video.mp4".to_owned(),
         Purpose::SaveCameras => "cameras.json".to_owned(),
@@ -109,6 +110,7 @@ pub(crate) fn lasting(path: PathBuf) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::rooms::charts::model::Study;
 
     #[test]
     fn a_name_without_an_ending_gets_that_of_its_purpose() {
@@ -121,11 +123,17 @@ mod tests {
         assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));
         assert_eq!(named(Purpose::ExportPage, "/a/scene"), PathBuf::from("/a/scene.html"));
         assert_eq!(named(Purpose::ExportPage, "/a/scene.HTM"), PathBuf::from("/a/scene.HTM"));
+        let chart = Purpose::SaveChart(Study::Sweep);
+        assert_eq!(named(chart, "/a/sweep"), PathBuf::from("/a/sweep.pdf"));
+        assert_eq!(named(chart, "/a/sweep.SVG"), PathBuf::from("/a/sweep.SVG"));
         let splats = Purpose::ExportSplats(SplatFormat::Glb);
         assert_eq!(named(splats, "/a/scene.2"), PathBuf::from("/a/scene.2.glb"));
-        for (purpose, path) in
-            [(Purpose::ExportPage, "/a/scene.ovl"), (splats, "/a/b.ply"), (Purpose::ExportPoints, "/a/b.ovl")]
-        {
+        for (purpose, path) in [
+            (Purpose::ExportPage, "/a/scene.ovl"),
+            (splats, "/a/b.ply"),
+            (Purpose::ExportPoints, "/a/b.ovl"),
+            (chart, "/a/b.jpg"),
+        ] {
             assert_eq!(
                 super::named(purpose, path.into()),
                 None,

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use super::path_names::{lasting, named, other_ending, place, suggested_name, typed_destination};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::{Command, Content, SceneSource, State, WorkKind};
+use crate::app::rooms::charts::model::sheet;
 use crate::app::rooms::files::model::{Destination, FileCommand, Opening, Purpose, TypedPath};
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::rooms::path::model::NO_KEYS;
@@ -166,6 +167,11 @@ impl OverlookApp {
                     self.workers.file.submit(FileRequest::SaveText { path, text });
                 }
             }
+            Purpose::SaveChart(study) => {
+                if let Some(chart) = sheet(study, &self.state) {
+                    self.workers.file.submit(FileRequest::SaveChart { path, chart });
+                }
+            }
             Purpose::SavePicture => self.save_picture(path),
             Purpose::SaveCameras => self.save_cameras(path),
             Purpose::SavePath => self.save_path(path),
@@ -270,6 +276,10 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         Purpose::SaveTable(table) => {
             let is_empty = table_text(table, TableForm::Csv, state).is_none();
             return is_empty.then(|| ("Nothing to save yet", format!("There is no {} yet.", table.name())));
+        }
+        Purpose::SaveChart(study) => {
+            let is_empty = sheet(study, state).is_none();
+            return is_empty.then(|| ("Nothing to save yet", study.no_chart()));
         }
         Purpose::SaveStore => ("Nothing to save yet", no_samples()),
         Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => {

@@ -51,8 +51,10 @@ impl PictureFolder {
             CompareVantage::HoldOut(camera) => (self.of_cameras.as_ref(), camera * self.frame_count + frame),
         };
         let nothing = || {
-            let sources =
-                [("viewpoints with true pictures", &self.of_views), ("hold-out cameras", &self.of_cameras)];
+            let sources = [
+                ("viewpoints with true pictures", &self.of_views),
+                ("cameras that are held out", &self.of_cameras),
+            ];
             let known: Vec<&str> =
                 sources.into_iter().filter_map(|(name, pictures)| pictures.as_ref().map(|_| name)).collect();
             format!(
@@ -115,10 +117,9 @@ mod tests {
         let trouble = |from, frame| folder.picture(from, frame).err().unwrap();
         assert_eq!(trouble(CompareVantage::Truth(0), 0), "rvs lacks 0.");
         assert_eq!(trouble(CompareVantage::HoldOut(1), 2), "rvs lacks 5.");
-        assert!(
-            trouble(CompareVantage::Live, 0)
-                .contains("rvs has pictures of viewpoints with true pictures and hold-out cameras alone")
-        );
+        assert!(trouble(CompareVantage::Live, 0).contains(
+            "rvs has pictures of viewpoints with true pictures and cameras that are held out alone"
+        ));
         assert_eq!(folder.first(2), Some(CompareVantage::Truth(1)));
         let words = folder.words();
         assert!(

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::app::model::work_kind::WorkKind;
+use crate::app::rooms::charts::model::study::Study;
 use crate::app::rooms::report::model::table::Table;
 use overlook_engine::splats::SplatFormat;
 
@@ -22,6 +23,8 @@ pub(crate) enum Purpose {
     SavePicture,
     /// Write a table, in the form that the ending of its file says.
     SaveTable(Table),
+    /// Write the chart of a study, in the format that the ending of its file says.
+    SaveChart(Study),
     /// Write the pictures of the camera path into a folder.
     ExportPictures,
     /// Write the pictures of the camera path into a folder, as EXR with depth.
@@ -100,6 +103,7 @@ impl Purpose {
             Self::LoadSettings => "Load settings",
             Self::SavePicture => "Share the picture of the live view",
             Self::SaveTable(_) => "Save a table as CSV, Markdown (.md) or LaTeX (.tex)",
+            Self::SaveChart(_) => "Save a chart as PDF, SVG or PNG",
             Self::ExportPictures => "Share pictures in a folder",
             Self::ExportExr => "Share EXR pictures in a folder",
             Self::SaveCameras => "Share the cameras",
@@ -130,6 +134,7 @@ impl Purpose {
             Self::SaveSettings => "Save settings to path",
             Self::LoadSettings => "Load settings from path",
             Self::SaveTable(_) => "Save table…",
+            Self::SaveChart(_) => "Save chart…",
             Self::SavePath => "Save camera path to path",
             Self::LoadPath => "Open camera path from path",
             Self::OpenPictures => "Open pictures from path",

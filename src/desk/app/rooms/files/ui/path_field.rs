@@ -35,6 +35,7 @@ fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
         Purpose::ExportPage => ("Export", ".html file"),
         Purpose::ExportSplats(_) => ("Export", "file of splats"),
         Purpose::ExportFigure => ("Export", ".pdf, .svg or .png file"),
+        Purpose::SaveChart(_) => ("Save", ".pdf, .svg or .png file"),
         Purpose::ExportPoints => ("Export", ".ply file"),
         Purpose::ExportFilm => ("Export", ".mp4 file"),
         Purpose::SaveCameras | Purpose::SavePath => ("Save", "transforms.json"),

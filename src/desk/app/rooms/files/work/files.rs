@@ -11,7 +11,7 @@ use crate::app::rooms::colors::model::{Background, Display};
 use crate::app::rooms::files::model::{Destination, Purpose, SESSION_ENDING};
 use crate::app::rooms::files::work::other_pictures;
 use crate::app::rooms::report::model::TableForm;
-use crate::app::rooms::share::work::figures::FIGURE_ENDINGS;
+use crate::app::rooms::share::work::figures::{FIGURE_ENDINGS, chart_image, write_chart};
 use crate::app::work::requests::FileRequest;
 use crate::pruned_store;
 use overlook_engine::capture::Capture;
@@ -120,6 +120,13 @@ pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
             whole_file::write_all(&path, text)?;
             (path, None, None)
         }
+        FileRequest::SaveChart { path, chart } => {
+            write_chart(&path, &chart)?;
+            (path, None, None)
+        }
+        FileRequest::CopyChart { study, chart } => {
+            return Ok(Message::ChartDrawn { study, image: chart_image(&chart)? });
+        }
         FileRequest::SaveCameras { path, cameras, frame_number, up_in_world } => {
             write_cameras(&path, &cameras, frame_number, up_in_world)?;
             (path, None, None)
@@ -202,7 +209,9 @@ pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
         Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "m4v"]).save_file(),
         Purpose::ExportPage => dialog.add_filter("HTML", &["html"]).save_file(),
         Purpose::ExportSplats(format) => dialog.add_filter("Splats", &[format.name()]).save_file(),
-        Purpose::ExportFigure => dialog.add_filter("PDF, SVG, PNG", &FIGURE_ENDINGS).save_file(),
+        Purpose::ExportFigure | Purpose::SaveChart(_) => {
+            dialog.add_filter("PDF, SVG, PNG", &FIGURE_ENDINGS).save_file()
+        }
         Purpose::ExportPoints => dialog.add_filter("PLY", &["ply"]).save_file(),
     }
 }

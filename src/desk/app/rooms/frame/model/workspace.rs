@@ -32,7 +32,7 @@ impl Workspace {
             "Compare",
             "Two pictures of one place, beside the live view that they are taken from.",
         ),
-        (Self::Measure, "Measure", "What each setting costs in size, time and accuracy."),
+        (Self::Measure, "Benchmark", "What each setting costs in size, time and accuracy."),
     ];
 }
 

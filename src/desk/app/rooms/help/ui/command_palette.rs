@@ -129,6 +129,8 @@ mod tests {
             ("film", "Share: Video"),
             ("export", "Share…"),
             ("ply", "Share: Splats"),
+            ("chart", "Copy the sweep chart"),
+            ("svg", "Save the stress test chart"),
             ("html", "Share: Interactive page"),
             ("rerun", "Recompute the whole capture"),
             ("kernel point", "Kernel: Point"),

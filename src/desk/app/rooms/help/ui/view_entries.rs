@@ -3,6 +3,8 @@
 use glam::DVec3;
 
 use crate::app::model::{Command, State};
+use crate::app::rooms::charts::model::Study;
+use crate::app::rooms::charts::ui::chart_commands;
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
@@ -33,6 +35,11 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
     let copy = Command::Share(ShareCommand::CopyFigure(None));
     entries.push(("Copy figure to the clipboard".to_owned(), "Ctrl+Shift+F", copy));
+    for study in Study::ALL {
+        let [copy, save] = chart_commands(study);
+        entries.push((format!("Copy the {}", study.chart_name()), "", copy));
+        entries.push((format!("Save the {}", study.chart_name()), "", save));
+    }
     for (way, name, _) in ShareWay::ALL {
         let keys = if way == ShareWay::Store { "Ctrl+S" } else { "" };
         entries.push((format!("Share: {name}"), keys, Command::Share(ShareCommand::Open(Some(way)))));
@@ -78,7 +85,7 @@ fn view_commands() -> [(&'static str, &'static str, Command); 17] {
         ("Full screen", "F11", Command::Window(WindowCommand::FullScreen)),
         ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
         ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
-        ("Measure a distance", "M", Command::View(ViewCommand::Measure(true))),
+        ("Measure distance", "M", Command::View(ViewCommand::Measure(true))),
         ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
         ("Loop over all frames", "Shift+I", Command::Time(TimeCommand::LoopRange(None))),
         ("Mark this frame, or take its marker away", "Shift+M", Command::Time(TimeCommand::ToggleMarker)),

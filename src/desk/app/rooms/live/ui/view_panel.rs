@@ -174,7 +174,7 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
         ui.label("Distance");
         ui.horizontal(|ui| {
             let ruler = &state.live.ruler;
-            let button = ui.selectable_label(ruler.active, "Measure").accessible_name("Measure a distance");
+            let button = ui.selectable_label(ruler.active, "Measure distance");
             if button
                 .on_hover_text("Click two points of the live view to measure between them (M).")
                 .clicked()

@@ -43,11 +43,15 @@ pub(crate) enum Table {
     Cameras,
     /// What was kept of all pixels, and why the rest was dropped.
     Pixels,
+    /// What the samples of each camera take in memory.
+    Memory,
+    /// How many samples each span of frames has.
+    Spans,
 }
 
 impl Table {
     /// Every table: what it is called in commands, and its file.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 8] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 10] = [
         (Self::Sweep, "sweep", "sweep.csv"),
         (Self::StressTest, "stress test", "stress.csv"),
         (Self::Replacements, "matrix of replaced samples", "replacements.csv"),
@@ -56,6 +60,8 @@ impl Table {
         (Self::Pixel, "pixel table", "pixel.csv"),
         (Self::Cameras, "camera table", "cameras.csv"),
         (Self::Pixels, "table of all pixels", "pixels.csv"),
+        (Self::Memory, "memory table", "memory.csv"),
+        (Self::Spans, "span table", "spans.csv"),
     ];
 
     /// What it is called in commands.

@@ -2,11 +2,13 @@
 //! The latter say the version and the settings below the table, and round to what can be read.
 
 use super::table::{Table, TableForm};
+use crate::app::model::results::CameraMemory;
 use crate::app::model::state::State;
 use crate::app::model::text::{account_parts, significant};
 use crate::app::rooms::pixel::model::verdict_text;
 use crate::app::rooms::settings::model::setting_names::SettingPairs;
-use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::capture::Camera;
+use overlook_engine::preprocess::diagnostics::{Report, SpanReport};
 use overlook_engine::settings::Settings;
 use overlook_lab::sweep::Point;
 
@@ -36,6 +38,8 @@ pub(crate) fn table_text(table: Table, form: TableForm, state: &State) -> Option
         Table::Pixel => pixel(state)?,
         Table::Cameras => cameras(state.report()?),
         Table::Pixels => pixels(state.report()?),
+        Table::Memory => memory(state)?,
+        Table::Spans => state.report()?.spans.iter().map(span).collect(),
     };
     (!rows.is_empty()).then(|| match form {
         TableForm::Csv => as_csv(&rows),
@@ -261,6 +265,31 @@ fn cameras(report: &Report) -> Vec<CsvRow> {
         ]
     };
     report.cameras.iter().map(row).collect()
+}
+
+fn memory(state: &State) -> Option<Vec<CsvRow>> {
+    let (cameras, taken) = (&state.doc.scene.as_ref()?.cameras, state.doc.memory.as_ref()?);
+    let row = |(camera, taken): (&Camera, &CameraMemory)| {
+        vec![
+            ("camera", camera.name.clone()),
+            ("samples", taken.samples.to_string()),
+            ("bytes_of_several_frames", taken.lasting_bytes.to_string()),
+            ("bytes_of_one_frame", taken.frame_bytes.to_string()),
+            ("bytes", (taken.lasting_bytes + taken.frame_bytes).to_string()),
+        ]
+    };
+    Some(cameras.iter().zip(taken).map(row).collect())
+}
+
+/// Frames are numbered from one, as in the window.
+fn span(report: &SpanReport) -> CsvRow {
+    let SpanReport { span, samples } = report;
+    vec![
+        ("first_frame", (span.start + 1).to_string()),
+        ("last_frame", span.end.to_string()),
+        ("frames", span.len().to_string()),
+        ("samples", samples.to_string()),
+    ]
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! How many samples each rule pruned, for which camera; how well cameras agree; and how noisy the capture is.
 
-use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
+use egui::{Align, Color32, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use egui_extras::{Column, TableBuilder};
 use egui_material_icons::icons::ICON_GRID_ON;
 
@@ -140,15 +140,35 @@ fn rules_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
 /// How much darker the rim of a bar is.
 const RIM: f32 = 0.35;
 
+/// Heights of a row with a share, and of its bar.
+pub(super) const SHARE_ROW: f32 = 28.0;
+pub(super) const SHARE_BAR: f32 = 6.0;
+
 /// A name, a figure, and a bar of the share below them.
 pub(crate) fn share_ui(ui: &mut Ui, name: &str, figure: &str, share: f32, color: Color32) -> egui::Response {
+    tall_share_ui(ui, name, figure, share, color, SHARE_BAR)
+}
+
+/// The same with a bar of a height.
+pub(super) fn tall_share_ui(
+    ui: &mut Ui,
+    name: &str,
+    figure: &str,
+    share: f32,
+    color: Color32,
+    bar_height: f32,
+) -> egui::Response {
     let tokens = Tokens::in_ui(ui);
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 28.0), Sense::hover());
+    let size = vec2(ui.available_width(), SHARE_ROW - SHARE_BAR + bar_height);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter();
     let font = egui::TextStyle::Body.resolve(ui.style());
     painter.text(rect.left_top(), egui::Align2::LEFT_TOP, name, font.clone(), tokens.text);
     painter.text(rect.right_top(), egui::Align2::RIGHT_TOP, figure, font, tokens.text_weak);
-    let rail = Rect::from_min_max(egui::pos2(rect.left(), rect.bottom() - 8.0), rect.max - vec2(0.0, 2.0));
+    let rail = Rect::from_min_max(
+        egui::pos2(rect.left(), rect.bottom() - 2.0 - bar_height),
+        rect.max - vec2(0.0, 2.0),
+    );
     painter.rect_filled(rail, 2.0, tokens.raised);
     let bar = Rect::from_min_size(rail.min, vec2(rail.width() * share.clamp(0.0, 1.0), rail.height()));
     // The rim keeps light colors visible in a light window.
@@ -189,6 +209,7 @@ fn cameras_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
     let columns =
         [Column::remainder().clip(true), Column::initial(66.0), Column::initial(60.0), Column::initial(50.0)];
     let mut table = TableBuilder::new(ui).id_salt("cameras").striped(true).vscroll(order.len() > SCROLLED);
+    table = table.cell_layout(Layout::left_to_right(Align::Center));
     for column in columns {
         table = table.column(column);
     }

@@ -20,21 +20,25 @@ const GAP: f32 = 6.0;
 /// Between a note and the next figure.
 const MARGIN: f32 = 14.0;
 
-struct KeyFigure {
-    name: &'static str,
-    value: String,
-    note: String,
+/// A figure with its name.
+pub(crate) struct KeyFigure {
+    pub name: &'static str,
+    pub value: String,
+    pub note: String,
     help: String,
     /// Whether it changes with the whole-capture settings, so that it can be out of date.
     of_whole: bool,
 }
+
+/// The note on what is known of the frame that is shown, until the whole capture is pruned.
+const THIS_FRAME: &str = "this frame";
 
 /// Width of the bars beside the figures at most, points; as many again as figures need are theirs first.
 const CAUSES_MOST: f32 = 640.0;
 
 pub(crate) fn totals_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let figures = figures(state);
-    let account = state.report().map(Report::pixel_account);
+    let account = state.report().map(Report::pixel_account).or(account_here(state));
     let (needed, spare) = widths(ui, &figures);
     let bars = if account.is_some() { spare.min(CAUSES_MOST) } else { 0.0 };
     let more = (spare - bars) / figures.len().max(1) as f32;
@@ -100,11 +104,24 @@ fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
     response.on_hover_text(help);
 }
 
-fn figures(state: &State) -> Vec<KeyFigure> {
+/// What became of the pixels of the frame that is shown, while nothing is known of the others.
+fn account_here(state: &State) -> Option<PixelAccount> {
+    let is_unknown = state.report().is_none() && state.inspection_here().is_some();
+    state.doc.inspected.as_ref().filter(|_| is_unknown).map(|inspected| inspected.account)
+}
+
+/// Every figure, from left to right.
+pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
     let report = state.report();
+    let here = account_here(state);
+    let of_frame = |value: String| [value, THIS_FRAME.to_owned()];
+    let bytes_here = state.inspection_here().filter(|_| here.is_some()).map(|it| it.samples.bytes());
+    let account = report.map(Report::pixel_account).or(here);
     let figure = |name, of_whole, value_and_note: Option<[String; 2]>, help: &str| {
         let [value, note] = value_and_note.unwrap_or_else(|| ["…".to_owned(), String::new()]);
-        KeyFigure { name, value, note, help: help.to_owned(), of_whole }
+        let first =
+            if note == THIS_FRAME { "Of the frame that is shown, until all are pruned. " } else { "" };
+        KeyFigure { name, value, note, help: format!("{first}{help}"), of_whole }
     };
     let memory_note = |report: &Report| match state.content() {
         Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
@@ -121,22 +138,26 @@ fn figures(state: &State) -> Vec<KeyFigure> {
         figure(
             "Samples kept",
             true,
-            report.map(|r| [model::count(r.samples_kept), format!("of {}", model::count(r.samples_in))]),
+            report
+                .map(|r| [model::count(r.samples_kept), format!("of {}", model::count(r.samples_in))])
+                .or(here.map(|account| of_frame(model::count(account.kept)))),
             "The samples kept, of all pixels of all frames of all cameras.",
         ),
         figure(
             "Dropped",
             true,
-            report.map(|r| {
-                let account = r.pixel_account();
-                [model::percent(account.not_kept(), account.pixels), String::new()]
+            account.map(|account| {
+                let note = if report.is_some() { String::new() } else { THIS_FRAME.to_owned() };
+                [model::percent(account.not_kept(), account.pixels), note]
             }),
-            &report.map_or_else(String::new, |r| dropped_help(&r.pixel_account())),
+            &account.map_or_else(String::new, |account| dropped_help(&account)),
         ),
         figure(
             "Memory",
             true,
-            report.map(|r| [model::bytes(r.bytes_memory), memory_note(r)]),
+            report
+                .map(|r| [model::bytes(r.bytes_memory), memory_note(r)])
+                .or(bytes_here.map(|bytes| of_frame(model::bytes(bytes)))),
             "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth; a saved store is smaller.",
         ),
     ];
@@ -145,11 +166,13 @@ fn figures(state: &State) -> Vec<KeyFigure> {
         figures.push(accuracy_figure(state.doc.accuracy, figure));
     }
     if state.has_capture() {
+        let help = "Seconds that pruning the whole capture took.";
+        let took = seconds.map(|pruned| format!("{help} {}.", model::took(state.doc.read_seconds, pruned)));
         figures.push(figure(
             "Pruning",
             true,
             seconds.map(|seconds| [format!("{} s", model::significant(seconds)), String::new()]),
-            "Seconds that pruning the whole capture took.",
+            took.as_deref().unwrap_or(help),
         ));
     }
     figures.push(figure(

@@ -6,6 +6,7 @@ use crate::app::model;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::settings::model::{BARS, SettingsCommand, ThresholdAxis, ThresholdHistogram};
 use crate::app::theme::Tokens;
+use crate::app::widgets::help_beside;
 use overlook_engine::settings::Field;
 
 const BARS_HEIGHT: f32 = 40.0;
@@ -61,7 +62,7 @@ pub(crate) fn histogram_ui(
                 .push(Command::Settings(SettingsCommand::Set { path: field.path, value: dragged.into() }));
         }
     }
-    response.on_hover_text(help_words(histogram, value));
+    help_beside(&response, help_words(histogram, value));
 }
 
 /// A line that can be dragged, with its handle.

@@ -139,8 +139,15 @@ pub(crate) fn of_rendered(
 /// # Errors
 /// `Invalid` for another ending, and those of drawing and writing.
 pub(crate) fn write(path: &Path, figure: &Figure) -> Result<u64> {
-    let chart = figure.chart()?;
-    let bytes = bytes_of(path, &chart)?;
+    write_chart(path, &figure.chart()?)
+}
+
+/// Writes a chart in the format that the ending of its path names. The file takes its name once it is whole. Gives its bytes.
+///
+/// # Errors
+/// `Invalid` for another ending, and those of drawing and writing.
+pub(crate) fn write_chart(path: &Path, chart: &Chart) -> Result<u64> {
+    let bytes = bytes_of(path, chart)?;
     whole_file::write_all(path, &bytes)?;
     Ok(bytes.len() as u64)
 }
@@ -150,15 +157,22 @@ pub(crate) fn write(path: &Path, figure: &Figure) -> Result<u64> {
 /// # Errors
 /// Those of drawing.
 pub(crate) fn image(figure: &Figure) -> Result<ColorImage> {
-    let png = figure.chart()?.png()?;
-    let pixels =
-        image::load_from_memory(&png).map_err(|error| Error::invalid("figure", error.to_string()))?;
-    Ok(color_image(&pixels.into_rgba8()))
+    chart_image(&figure.chart()?)
 }
 
 /// The picture of a figure alone.
 pub(crate) fn picture(figure: &Figure) -> ColorImage {
     color_image(&figure.picture)
+}
+
+/// A chart as an image.
+///
+/// # Errors
+/// Those of drawing.
+pub(crate) fn chart_image(chart: &Chart) -> Result<ColorImage> {
+    let pixels = image::load_from_memory(&chart.png()?)
+        .map_err(|error| Error::invalid("figure", error.to_string()))?;
+    Ok(color_image(&pixels.into_rgba8()))
 }
 
 fn color_image(pixels: &RgbaImage) -> ColorImage {

@@ -91,7 +91,7 @@ pub(crate) fn source_legend_ui(
 /// How far colors of a point differ between cameras, with the shares of pixels that differ visibly and that one camera alone shows.
 fn view_dependence_ui(ui: &mut Ui, visible: u64, unknown: u64, total: u64) {
     bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} of 255"), sequential);
-    let differs = format!("visible {}", model::percent(visible, total));
+    let differs = format!("noticeable {}", model::percent(visible, total));
     ui.label(RichText::new(differs).small()).on_hover_text(format!(
         "Differs by {VISIBLE_STEPS:.0} or more of 255 steps: the eye sees two colors.",
     ));

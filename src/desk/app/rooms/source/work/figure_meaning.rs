@@ -79,7 +79,7 @@ pub(crate) fn of_source(
         Legend::ViewDependence { visible, alike, unknown } => {
             let total = visible + alike + unknown;
             let shares = format!(
-                "Differs visibly: {}; seen by one camera, dimmed: {}.",
+                "Differs noticeably: {}; seen by one camera, dimmed: {}.",
                 percent(*visible, total),
                 percent(*unknown, total)
             );

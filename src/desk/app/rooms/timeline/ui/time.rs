@@ -6,9 +6,10 @@ use egui_material_icons::icons::ICON_TIMELINE;
 use crate::app::colormap::sequential;
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::report::model::Table;
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{empty_ui, note};
+use crate::app::widgets::{empty_ui, note, table_buttons_ui};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::SpanReport;
 
@@ -27,6 +28,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let caption =
             "Samples by the span of frames they are stored for; lighter is more. Click to go to a frame.";
         note(ui, caption);
+        table_buttons_ui(ui, Table::Spans, commands);
         if state.is_stale() {
             ui.label(RichText::new("Out of date.").small().color(tokens.warning));
         }
