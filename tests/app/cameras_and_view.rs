@@ -17,6 +17,12 @@ fn explore() -> Window {
     window
 }
 
+/// Scrolls until a control of the panel is in view.
+fn in_sight(window: &mut Window, name: &str) {
+    window.get_by_label(name).scroll_to_me();
+    window.run_steps(3);
+}
+
 fn position(window: &Window) -> [f64; 3] {
     window.state().observed().live_position.unwrap()
 }
@@ -130,11 +136,17 @@ fn a_pyramid_is_clicked_to_choose_its_camera_and_double_clicked_to_view_from_it(
     window.key_up(Key::S);
     settle(&mut window);
     let before = window.state().observed().source_camera;
+    open_view(&mut window, "Color");
     let seen = window.state().observed().cameras_on_screen;
     let (camera, at) = *seen.iter().find(|(camera, _)| *camera != before).expect("a camera in view");
     let place = canvas.min + canvas.size() * at;
     click_at(&mut window, place, 1);
     assert_eq!(window.state().observed().source_camera, camera);
+    // No view shows its picture here, so that the list of cameras does.
+    assert!(window.state().observed().views_in_sight.contains(&"View"));
+    window.hover_at(place);
+    window.run_steps(6);
+    assert!(shows(&window, "Click: choose it"));
     assert_eq!(window.state().observed().probed_pixel, None, "the picture behind was not clicked");
     let away = position(&window);
     std::thread::sleep(std::time::Duration::from_millis(600));
@@ -144,6 +156,40 @@ fn a_pyramid_is_clicked_to_choose_its_camera_and_double_clicked_to_view_from_it(
     assert_ne!(position(&window), away);
     let there = window.state().observed().camera_positions[camera];
     assert_eq!(position(&window), there);
+}
+
+#[test]
+fn a_double_click_orbits_about_the_point_under_the_pointer_and_resets_the_view_where_nothing_is() {
+    let mut window = explore();
+    // A double-click on a camera views from it.
+    click(&mut window, "Hide cameras");
+    window.run_steps(4);
+    settle(&mut window);
+    let apart = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let double_click = |window: &mut Window, share: egui::Vec2| {
+        let canvas = window.get_by_label("Live picture").rect();
+        click_at(window, canvas.min + canvas.size() * share, 2);
+        settle(window);
+        // The next click is one of its own.
+        std::thread::sleep(std::time::Duration::from_millis(600));
+        window.run_steps(12);
+        position(window)
+    };
+    let home = position(&window);
+    let focused = double_click(&mut window, vec2(0.45, 0.6));
+    assert!(apart(home, focused) > 1e-3, "the point is in the middle now");
+    let again = double_click(&mut window, vec2(0.5, 0.5));
+    assert!(apart(focused, again) < 0.3 * apart(home, focused), "{home:?} {focused:?} {again:?}");
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::ALT, Key::ArrowLeft);
+        settle(&mut window);
+    }
+    assert!(apart(position(&window), home) < 1e-9);
+    drag(&mut window, "Live picture", vec2(0.5, 0.5), vec2(70.0, 15.0));
+    click(&mut window, "All off");
+    settle(&mut window);
+    assert_ne!(position(&window), home);
+    assert_eq!(double_click(&mut window, vec2(0.45, 0.6)), home);
 }
 
 #[test]
@@ -203,6 +249,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
 #[test]
 fn guides_frame_the_picture_lock_its_shape_and_measure_distances() {
     let mut window = explore();
+    in_sight(&mut window, "Measure a distance");
     let free = window.get_by_label("Live picture").rect();
     choose(&mut window, "Frame guide", "Camera");
     click(&mut window, "Ground grid");
@@ -219,6 +266,7 @@ fn guides_frame_the_picture_lock_its_shape_and_measure_distances() {
     let distance = window.state().observed().measured_distance.expect("a distance");
     assert!(distance > 0.01 && distance < 100.0, "{distance}");
     assert_eq!(window.state().observed().probed_pixel, None, "no pixel was selected");
+    in_sight(&mut window, "Unit: mm");
     choose(&mut window, "Unit", "mm");
     window.run_steps(2);
     assert!(window.query_all_by_label_contains(" mm").next().is_some());
@@ -347,6 +395,7 @@ fn another_axis_is_up_for_a_capture_that_lies_on_its_side() {
     let mut window = explore();
     let before = position(&window);
     let horizon = |window: &Window| number(window, "Roll");
+    in_sight(&mut window, "Up axis");
     pick(&mut window, "Up axis", "+X");
     settle(&mut window);
     assert_eq!(position(&window), before, "the eye stays");

@@ -51,6 +51,11 @@ fn the_help_menu_has_the_guide_the_keys_and_mouse_and_the_version_with_the_adapt
         for text in texts {
             assert!(shows(&window, text), "{entry}: {text}");
         }
+        if entry == "Guide" {
+            let place = window.query_all_by_label_contains(texts[0]).next().unwrap().rect();
+            let menus = window.get_by_label("Help").rect();
+            assert!(place.left() > SIZE[0] / 2.0 && place.top() > menus.bottom(), "{place}");
+        }
         window.key_press(Key::Escape);
         window.run_steps(3);
         assert!(!shows(&window, texts[0]), "{entry} closes");

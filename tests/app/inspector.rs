@@ -146,6 +146,25 @@ fn a_threshold_is_dragged_on_its_histogram_and_taken_back() {
 }
 
 #[test]
+fn the_button_for_undo_lists_what_was_changed_and_goes_back_to_any_of_it() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let start = window.state().observed().settings.clone();
+    pick(&mut window, "Pruning method", "Off");
+    pick(&mut window, "Presets", "Aggressive");
+    window.hover_at(window.get_by_label("Undo").rect().center());
+    window.run_steps(6);
+    assert!(shows(&window, "Undo (Ctrl+Z): "));
+    window.get_by_label("Undo").click_secondary();
+    window.run_steps(4);
+    assert!(shows(&window, "Undo 1: "));
+    click(&mut window, "Undo 2: Pruning method: Highest sampling rate » Off");
+    assert_eq!(window.state().observed().settings, &start);
+    assert!(!shows(&window, "Undo 1: "), "the list closes");
+    settle(&mut window);
+}
+
+#[test]
 fn presets_are_taken_and_two_settings_take_turns() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);

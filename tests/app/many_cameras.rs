@@ -1,9 +1,9 @@
 //! Thirty-two cameras, and three hundred: told apart, sorted by what matters, and every panel within the window.
 
-use egui::vec2;
+use egui::{Key, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::driver::{SIZE, Window, choose, demo, look_at, open, open_view, settle, shows};
+use super::driver::{SIZE, Window, choose, click, demo, look_at, open, open_view, settle, shows};
 
 /// Panels that list cameras.
 const PANELS: [&str; 5] = ["Pixel", "Cameras", "Matrix", "Memory", "Report"];
@@ -78,6 +78,25 @@ fn source_colors(window: &mut Window) -> usize {
     part.pixels()
         .filter(|pixel| pixel.0[..3].iter().max().unwrap() - pixel.0[..3].iter().min().unwrap() > 24)
         .count()
+}
+
+#[test]
+fn a_camera_that_is_chosen_is_scrolled_to_in_the_list_of_which_only_what_is_in_view_is_drawn() {
+    let mut window = open(demo(60, 1, (16, 12)), SIZE);
+    settle(&mut window);
+    click(&mut window, "Workspace: Explore");
+    settle(&mut window);
+    let row = "Camera extra54";
+    assert!(window.query_by_label(row).is_none() && shows(&window, "Show all 60"));
+    click(&mut window, "Commands");
+    window.get_by_label("Command").type_text("show camera 'extra54'");
+    window.run_steps(3);
+    window.key_press(Key::Enter);
+    window.run_steps(12);
+    let place = window.get_by_label(row).rect();
+    assert!(place.bottom() < SIZE[1], "{place}");
+    let rows = window.query_all_by_label_contains("Camera extra").count();
+    assert!((3..40).contains(&rows), "{rows} rows");
 }
 
 #[test]

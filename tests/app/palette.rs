@@ -56,6 +56,18 @@ fn a_command_that_was_found_by_another_word_is_done() {
 }
 
 #[test]
+fn enter_does_what_a_word_means_most_likely() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Commands");
+    window.get_by_label("Command").type_text("help");
+    window.run_steps(3);
+    window.key_press(Key::Enter);
+    window.run_steps(4);
+    assert!(shows(&window, "See what is redundant"));
+}
+
+#[test]
 fn a_camera_beyond_the_keys_is_shown_and_viewed_from_by_its_name() {
     let mut window = open(demo(12, 1, (32, 24)), SIZE);
     settle(&mut window);

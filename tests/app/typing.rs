@@ -1,8 +1,8 @@
 //! What is typed belongs to the field it is typed into, and what the window says of its settings is so.
 
 use super::driver::{
-    SIZE, Window, click, do_command, drop_on, open, open_store, open_view, pick, save_store, settle, shows,
-    small_demo, wait,
+    SIZE, Window, click, copied, do_command, drop_on, open, open_store, open_view, pick, save_store, settle,
+    shows, small_demo, wait,
 };
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -77,6 +77,64 @@ fn undo_and_redo_while_a_number_is_typed_are_not_meant_at_the_settings() {
     window.run_steps(3);
     assert_eq!(tolerance(&window), 1.0);
     settle(&mut window);
+}
+
+#[test]
+fn a_focused_button_takes_letters_and_arrows_and_leaves_other_keys_what_they_do() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    let focus = |window: &mut Window| {
+        window.key_press(Key::Tab);
+        window.run_steps(3);
+        assert!(window.ctx.egui_wants_keyboard_input(), "a button has the focus");
+    };
+    let press = |window: &mut Window, modifiers, key| {
+        window.key_press_modifiers(modifiers, key);
+        window.run_steps(3);
+        window.state().observed().frame
+    };
+    focus(&mut window);
+    assert_eq!(press(&mut window, Modifiers::COMMAND, Key::End), 3);
+    assert_eq!(press(&mut window, Modifiers::NONE, Key::ArrowLeft), 3, "arrows go from button to button");
+    press(&mut window, Modifiers::NONE, Key::I);
+    assert!(window.query_by_label("Loop over all frames").is_none(), "a letter is the button's");
+    assert_eq!(press(&mut window, Modifiers::SHIFT, Key::ArrowLeft), 0);
+    press(&mut window, Modifiers::SHIFT, Key::M);
+    assert!(window.query_by_label("Remove marker").is_some());
+    focus(&mut window);
+    press(&mut window, Modifiers::SHIFT, Key::Num2);
+    let observed = window.state().observed();
+    assert_eq!(observed.live_position, observed.camera_positions.get(1).copied());
+    press(&mut window, Modifiers::NONE, Key::Home);
+    assert_ne!(window.state().observed().live_position, Some(window.state().observed().camera_positions[1]));
+    window.event(Event::Copy);
+    assert!(copied(&mut window).is_some(), "the view");
+    focus(&mut window);
+    press(&mut window, Modifiers::SHIFT, Key::Space);
+    assert!(window.query_by_label("Restore Live view").is_some());
+    settle(&mut window);
+}
+
+#[test]
+fn delete_acts_on_what_is_selected_while_a_button_has_the_focus_and_not_while_a_number_is_typed() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Edits");
+    click(&mut window, "Select Sphere");
+    settle(&mut window);
+    let delete = |window: &mut Window| {
+        window.key_press(Key::Delete);
+        window.run_steps(3);
+        settle(window);
+        !shows(window, "No edits yet")
+    };
+    click(&mut window, "Radius X");
+    assert!(!delete(&mut window), "the key belongs to the number");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    window.key_press(Key::Tab);
+    window.run_steps(3);
+    assert!(delete(&mut window));
 }
 
 #[test]

@@ -119,6 +119,27 @@ fn panels_hide_and_come_back_where_they_were() {
 }
 
 #[test]
+fn the_side_panel_of_every_workspace_hides_as_a_whole() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    click(&mut window, "Workspace: Explore");
+    open_view(&mut window, "Camera path");
+    let (docked, seen) = (size_of_live_picture(&window), window.state().observed().views_in_sight);
+    let press = |window: &mut Window, key| {
+        window.key_press_modifiers(Modifiers::COMMAND, key);
+        window.run_steps(4);
+        window.state().observed().views_in_sight
+    };
+    assert_eq!(press(&mut window, Key::J), seen, "no lower panel is here");
+    press(&mut window, Key::J);
+    assert_eq!(press(&mut window, Key::B), ["Live view"]);
+    let large = size_of_live_picture(&window);
+    assert!(large.x > 0.95 * SIZE[0], "{large}");
+    open_view(&mut window, "Camera path");
+    assert_eq!((size_of_live_picture(&window), window.state().observed().views_in_sight), (docked, seen));
+}
+
+#[test]
 fn each_workspace_shows_what_it_is_for() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
@@ -155,6 +176,9 @@ fn a_store_has_no_empty_source_panel_and_a_single_frame_no_timeline() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     assert!(window.query_by_label("Timeline").is_some());
+    let of_time = ["Source shows: Motion", "Live view shows: Motion"];
+    let has_time_tab = |window: &Window| window.query_by_role_and_label(Role::Button, "Time").is_some();
+    assert!(of_time.iter().all(|name| window.query_by_label(name).is_some()) && has_time_tab(&window));
     let docked = size_of_live_picture(&window);
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
@@ -165,5 +189,11 @@ fn a_store_has_no_empty_source_panel_and_a_single_frame_no_timeline() {
     let mut window = open(demo(2, 1, (64, 48)), SIZE);
     settle(&mut window);
     assert!(window.query_by_label("Timeline").is_none());
+    assert!(of_time.iter().all(|name| window.query_by_label(name).is_none()) && !has_time_tab(&window));
+    for _ in 0..2 {
+        window.key_press_modifiers(Modifiers::COMMAND, Key::J);
+        window.run_steps(3);
+    }
+    assert!(window.query_by_role_and_label(Role::Button, "Memory").is_some() && !has_time_tab(&window));
     assert!(window.state().observed().views_in_sight.contains(&"Source"));
 }

@@ -20,10 +20,15 @@ pub(crate) const ICON_BUTTON: Vec2 = Vec2::new(34.0, space::CONTROL);
 
 /// A small button with an icon; `name` names it for screen readers, `help` explains it.
 pub(crate) fn icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str, help: &str) -> Response {
+    bare_icon_button(ui, icon, name).on_hover_text(help)
+}
+
+/// The same without a text under the pointer.
+pub(crate) fn bare_icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str) -> Response {
     ui.scope(|ui| {
         ui.spacing_mut().button_padding = Vec2::new(8.0, 2.0);
         let button = Button::new(icon.rich_text().size(16.0)).min_size(ICON_BUTTON);
-        ui.add(button).on_hover_text(help).accessible_name(name)
+        ui.add(button).accessible_name(name)
     })
     .inner
 }

@@ -119,6 +119,8 @@ fn a_dense_workspace_opens_with_normals_and_every_image_of_its_own_size() {
     }
     assert!(frame.inverse_depth[(5, 0)] < 0.0, "0 is no depth");
     assert!(capture.up_in_world.z > 0.9, "{}", capture.up_in_world);
+    let source = Source::find(&folder.path("")).unwrap();
+    assert!(source.description().up_is_estimated, "COLMAP stores none");
 }
 
 #[test]

@@ -58,54 +58,62 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     if typing || edits || state.doc.scene.is_none() {
         return;
     }
-    // A focused button takes plain letters, Space and Enter, and nothing else.
     window_keys(ctx, state, commands);
-    let numbers: Vec<Command> = ctx.input(|input| input.events.iter().filter_map(number_key).collect());
-    let (workspaces, others): (Vec<_>, Vec<_>) = numbers
-        .into_iter()
-        .partition(|command| matches!(command, Command::Window(WindowCommand::Workspace(_))));
-    commands.extend(workspaces);
-    if ctx.egui_wants_keyboard_input() {
+    commands.extend(ctx.input(|input| input.events.iter().filter_map(number_key).collect::<Vec<_>>()));
+    commands.extend(ctx.input(|input| input.events.iter().filter_map(clipboard).collect::<Vec<_>>()));
+    let is_focused = ctx.egui_wants_keyboard_input();
+    let keys = [axis_keys(), time_keys(state), edit_keys(state), other_keys(state)].concat();
+    ctx.input_mut(|input| {
+        // With fewer modifiers a key is consumed whatever else is held: those with more go first.
+        let free = keys.into_iter().filter(|(keys, _)| !(is_focused && is_for_focused_button(*keys)));
+        let pressed = free.filter(|((modifiers, key), _)| input.consume_key(*modifiers, *key));
+        commands.extend(pressed.map(|(_, command)| command));
+    });
+    if is_focused {
         return;
     }
-    commands.extend(others);
-    ctx.input_mut(|input| {
-        commands.extend(axis_keys(input));
-        commands.extend(time_keys(input, state));
-        commands.extend(edit_keys(input, state));
-        // With fewer modifiers a key is consumed whatever else is held: this one goes first.
-        if input.consume_key(Modifiers::SHIFT, Key::Space) {
-            commands.push(Command::Window(WindowCommand::Maximize(None)));
-        }
-        for (key, command) in [
-            (Key::Space, Command::Time(TimeCommand::TogglePlay)),
-            (Key::Comma, Command::Time(TimeCommand::Step(-1))),
-            (Key::Period, Command::Time(TimeCommand::Step(1))),
-            (Key::P, Command::Pixel(PixelCommand::Pin(!state.doc.probe.pinned))),
-            (Key::F, Command::View(ViewCommand::FramePoint)),
-            (Key::H, Command::View(ViewCommand::Holes(state.holes_shown().other()))),
-            (Key::K, Command::Path(PathCommand::AddKey)),
-            (Key::M, Command::View(ViewCommand::Measure(!state.live.ruler.active))),
-            (Key::OpenBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed / FASTER))),
-            (Key::CloseBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed * FASTER))),
-            (Key::Home, Command::View(ViewCommand::Home)),
-        ] {
-            if input.consume_key(Modifiers::NONE, key) {
-                commands.push(command);
-            }
-        }
-        if input.consume_key(Modifiers::NONE, Key::Questionmark)
-            || input.consume_key(Modifiers::SHIFT, Key::Questionmark)
-        {
-            let page = state.inspector.help.is_none().then_some(HelpPage::Shortcuts);
-            commands.push(Command::Window(WindowCommand::Help(page)));
-        }
-        commands.extend(input.events.iter().filter_map(clipboard));
-    });
     if let Some(steps) = ctx.input(|input| flight(input, &held)) {
         commands.push(Command::View(ViewCommand::Fly(steps * state.live.fly_speed)));
         ctx.request_repaint();
     }
+}
+
+/// A key with what is held, and what it does.
+type Bound = ((Modifiers, Key), Command);
+
+/// Whether keys belong to a button or a slider while it has the focus: letters, arrows and those that press it, by themselves.
+fn is_for_focused_button((modifiers, key): (Modifiers, Key)) -> bool {
+    let name = key.name();
+    let is_letter = name.len() == 1 && name.starts_with(|letter: char| letter.is_ascii_alphabetic());
+    let presses = matches!(key, Key::Space | Key::Enter | Key::Tab);
+    let is_arrow = matches!(key, Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown);
+    modifiers.is_none() && (is_letter || presses || is_arrow)
+}
+
+/// Keys of the views, the pixel and the camera path.
+fn other_keys(state: &State) -> Vec<Bound> {
+    let page = state.inspector.help.is_none().then_some(HelpPage::Shortcuts);
+    let help = Command::Window(WindowCommand::Help(page));
+    let mut keys = vec![
+        ((Modifiers::SHIFT, Key::Space), Command::Window(WindowCommand::Maximize(None))),
+        ((Modifiers::SHIFT, Key::Questionmark), help.clone()),
+    ];
+    let plain = [
+        (Key::Space, Command::Time(TimeCommand::TogglePlay)),
+        (Key::Comma, Command::Time(TimeCommand::Step(-1))),
+        (Key::Period, Command::Time(TimeCommand::Step(1))),
+        (Key::P, Command::Pixel(PixelCommand::Pin(!state.doc.probe.pinned))),
+        (Key::F, Command::View(ViewCommand::FramePoint)),
+        (Key::H, Command::View(ViewCommand::Holes(state.holes_shown().other()))),
+        (Key::K, Command::Path(PathCommand::AddKey)),
+        (Key::M, Command::View(ViewCommand::Measure(!state.live.ruler.active))),
+        (Key::OpenBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed / FASTER))),
+        (Key::CloseBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed * FASTER))),
+        (Key::Home, Command::View(ViewCommand::Home)),
+        (Key::Questionmark, help),
+    ];
+    keys.extend(plain.into_iter().map(|(key, command)| ((Modifiers::NONE, key), command)));
+    keys
 }
 
 fn undo_keys(ctx: &egui::Context) -> Option<Command> {
@@ -162,13 +170,12 @@ fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
 }
 
 /// Keys that move in time, or that set the range that is played.
-fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
+fn time_keys(state: &State) -> Vec<Bound> {
     let (timeline, frames) = (&state.timeline, state.frame_count());
     let last = frames.saturating_sub(1);
     let here = timeline.frame;
     let range =
         |first, end| Command::Time(TimeCommand::LoopRange(Some(timeline.range_from(first, end, frames))));
-    // With fewer modifiers a key is consumed whatever else is held: those with more go first.
     let keys = [
         (Modifiers::COMMAND, Key::Home, Command::Time(TimeCommand::Frame(0))),
         (Modifiers::COMMAND, Key::End, Command::Time(TimeCommand::Frame(last))),
@@ -183,15 +190,13 @@ fn time_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
         (Modifiers::NONE, Key::I, range(Some(here), None)),
         (Modifiers::NONE, Key::O, range(None, Some(here))),
     ];
-    let pressed = keys.into_iter().filter(|(modifiers, key, _)| input.consume_key(*modifiers, *key));
-    pressed.map(|(_, _, command)| command).collect()
+    keys.into_iter().map(|(modifiers, key, command)| ((modifiers, key), command)).collect()
 }
 
 /// Keys that select and delete. While there is a brush, brackets change it.
-fn edit_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
+fn edit_keys(state: &State) -> Vec<Bound> {
     let edits = &state.doc.edits;
     let tool = |tool: EditTool| EditCommand::Tool((edits.tool != Some(tool)).then_some(tool));
-    // With fewer modifiers a key is consumed whatever else is held: those with more go first.
     let mut keys = vec![
         (Modifiers::COMMAND, Key::I, EditCommand::Invert),
         (Modifiers::SHIFT, Key::B, tool(EditTool::Mask)),
@@ -207,23 +212,19 @@ fn edit_keys(input: &mut egui::InputState, state: &State) -> Vec<Command> {
         keys.push((Modifiers::NONE, Key::OpenBracket, EditCommand::Radius(edits.radius / WIDER)));
         keys.push((Modifiers::NONE, Key::CloseBracket, EditCommand::Radius(edits.radius * WIDER)));
     }
-    let pressed = keys.into_iter().filter(|(modifiers, key, _)| input.consume_key(*modifiers, *key));
-    pressed.map(|(_, _, command)| Command::Edit(command)).collect()
+    keys.into_iter().map(|(modifiers, key, command)| ((modifiers, key), Command::Edit(command))).collect()
 }
 
 /// Keys that view the scene along an axis. egui does not distinguish digits of the number pad from those above the
 /// letters, which show cameras.
-fn axis_keys(input: &mut egui::InputState) -> Vec<Command> {
-    let mut commands = Vec::new();
+fn axis_keys() -> Vec<Bound> {
+    let mut keys = Vec::new();
     for (key, axis) in [(Key::X, DVec3::X), (Key::Y, DVec3::Y), (Key::Z, DVec3::Z)] {
-        // With fewer modifiers a key is consumed whatever else is held: this one goes first.
         for (modifiers, direction) in [(Modifiers::ALT | Modifiers::SHIFT, axis), (Modifiers::ALT, -axis)] {
-            if input.consume_key(modifiers, key) {
-                commands.push(Command::View(ViewCommand::LookAlong(direction)));
-            }
+            keys.push(((modifiers, key), Command::View(ViewCommand::LookAlong(direction))));
         }
     }
-    commands
+    keys
 }
 
 /// Frames that Shift and an arrow step.

@@ -191,6 +191,7 @@ impl OverlookApp {
         if let Some(wait) = wait {
             self.ctx.request_repaint_after(wait);
         }
+        self.state.look.in_sight = visible;
     }
 
     /// Leaves what the next run brings back.

@@ -124,14 +124,26 @@ impl Dock {
         self.pointed_at
     }
 
+    /// The area that a view is hidden and shown with where it lies now; `None` for those in the middle.
+    pub(crate) fn area_of(&self, view: DockView) -> Option<Area> {
+        let place = self.tree().and_then(|tree| Some((tree, tree.tiles.find_pane(&view)?)));
+        place.map_or(view.area(), |(tree, pane)| area_at(tree, pane))
+    }
+
     /// Shows or hides the views of an area, at any place.
     pub(crate) fn show_area(&mut self, area: Area, show: bool) {
         let tree = self.tree_mut();
-        let panes: Vec<TileId> = (tree.tiles.iter())
-            .filter(|(_, tile)| matches!(tile, Tile::Pane(view) if view.area() == Some(area)))
-            .map(|(id, _)| *id)
-            .collect();
+        let panes: Vec<TileId> =
+            tree.tiles.tile_ids().filter(|tile| area_at(tree, *tile) == Some(area)).collect();
         for pane in panes {
+            tree.tiles.set_visible(pane, show);
+        }
+    }
+
+    /// Shows or hides one view, at any place.
+    pub(crate) fn show_view(&mut self, view: DockView, show: bool) {
+        let tree = self.tree_mut();
+        if let Some(pane) = tree.tiles.find_pane(&view) {
             tree.tiles.set_visible(pane, show);
         }
     }
@@ -185,13 +197,22 @@ impl Dock {
 /// Tabs that begin with a view of the same area, if it has one.
 fn tabs_of_area(tree: &Tree<DockView>, view: DockView) -> Option<TileId> {
     let area = view.area()?;
-    let begins_with_it = |tile: &Tile<DockView>| {
-        let Tile::Container(Container::Tabs(tabs)) = tile else { return false };
-        let first = tabs.children.first().and_then(|first| tree.tiles.get_pane(first));
-        first.is_some_and(|first| first.area() == Some(area))
-    };
-    let tabs = tree.tiles.iter().filter(|(_, tile)| begins_with_it(tile));
-    tabs.map(|(id, _)| *id).min_by_key(|id| id.0)
+    let tabs = tree.tiles.tile_ids().filter(|tile| area_of_tabs(tree, *tile) == Some(area));
+    tabs.min_by_key(|id| id.0)
+}
+
+/// The area of the view that tabs begin with.
+fn area_of_tabs(tree: &Tree<DockView>, tile: TileId) -> Option<Area> {
+    let Some(Tile::Container(Container::Tabs(tabs))) = tree.tiles.get(tile) else { return None };
+    tree.tiles.get_pane(tabs.children.first()?)?.area()
+}
+
+/// The area of a pane: of panels, that of the panel in which it lies, so that a panel is hidden as a whole.
+fn area_at(tree: &Tree<DockView>, pane: TileId) -> Option<Area> {
+    let own = tree.tiles.get_pane(&pane)?.area()?;
+    let panel = tree.tiles.parent_of(pane).and_then(|tabs| area_of_tabs(tree, tabs));
+    let is_panel = |area: Area| area != Area::Source;
+    Some(panel.filter(|panel| is_panel(*panel) && is_panel(own)).unwrap_or(own))
 }
 
 fn first_tabs(tree: &Tree<DockView>) -> Option<TileId> {
@@ -278,6 +299,23 @@ mod tests {
             dock.show_area(area, true);
             assert_eq!(dock.visible(), before);
         }
+    }
+
+    #[test]
+    fn a_panel_is_hidden_with_every_view_in_it() {
+        let mut dock = Dock::new();
+        dock.show_workspace(Workspace::Explore);
+        assert_eq!(dock.area_of(DockView::Path), Some(Area::Side), "it lies in the side panel here");
+        dock.open(DockView::Path);
+        let before = dock.visible();
+        dock.show_area(Area::Lower, false);
+        assert_eq!(dock.visible(), before);
+        dock.show_area(Area::Side, false);
+        assert_eq!(dock.visible(), [DockView::Live]);
+        dock.show_area(Area::Side, true);
+        assert_eq!(dock.visible(), before);
+        dock.show_workspace(Workspace::Inspect);
+        assert_eq!(dock.area_of(DockView::Path), Some(Area::Lower));
     }
 
     #[test]

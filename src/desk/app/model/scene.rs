@@ -61,6 +61,8 @@ pub(crate) struct OpenScene {
     pub frame_numbers: Vec<i64>,
     /// Up, unit length.
     pub up_in_world: DVec3,
+    /// Whether nothing said which way is up, so that it was taken from the cameras.
+    pub up_is_estimated: bool,
     /// What the cameras look at.
     pub pivot_in_world: DVec3,
     /// The manifest that defines how a capture is read; `None` if the layout of its folder does.
@@ -86,6 +88,7 @@ impl OpenScene {
             cameras: capture.cameras.clone(),
             frame_numbers: capture.frame_numbers.clone(),
             up_in_world: capture.up_in_world,
+            up_is_estimated: false,
             pivot_in_world: pivot(&capture.cameras, typical_depth),
             content: Content::Capture { capture: Box::new(capture), truth },
             manifest: None,
@@ -110,6 +113,7 @@ impl OpenScene {
             cameras: samples.cameras.clone(),
             frame_numbers: samples.frame_numbers.clone(),
             up_in_world: samples.up_in_world,
+            up_is_estimated: false,
             pivot_in_world,
             content: Content::Store {
                 samples,

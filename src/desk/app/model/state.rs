@@ -14,6 +14,7 @@ use crate::app::rooms::files::model::command::Opening;
 use crate::app::rooms::files::model::purpose::TypedPath;
 use crate::app::rooms::files::model::recent::RecentPicture;
 use crate::app::rooms::frame::model::notice::Notice;
+use crate::app::rooms::frame::model::view::DockView;
 use crate::app::rooms::frame::model::workspace::WindowLook;
 use crate::app::rooms::help::model::HelpPage;
 use crate::app::rooms::live::model::look::{FIRST_SIZE, LiveLook};
@@ -21,6 +22,7 @@ use crate::app::rooms::live::model::picture::{ColorBy, HoleDisplay, PixelSource}
 use crate::app::rooms::live::model::view_look::FrameGuide;
 use crate::app::rooms::share::model::share::ShareDialog;
 use crate::app::rooms::source::model::look::SourceLook;
+use crate::app::rooms::source::model::picture::Overlay;
 use crate::app::rooms::timeline::model::Timeline;
 use overlook_engine::capture::Camera;
 use overlook_engine::job::Progress;
@@ -81,6 +83,8 @@ pub(crate) struct State {
     pub recent: Vec<PathBuf>,
     /// What the live view showed of some of them.
     pub recent_pictures: Vec<RecentPicture>,
+    /// Which way was chosen to be up in what was open, in world space; `None` where it was asked and left as it is.
+    pub chosen_ups: Vec<(PathBuf, Option<DVec3>)>,
     /// Long work under way; the line at the bottom names the first, which is what can be cancelled.
     pub busy: Vec<Busy>,
 }
@@ -94,6 +98,27 @@ impl State {
     /// Whether there is time to move in.
     pub(crate) fn has_time(&self) -> bool {
         self.doc.scene.is_none() || self.frame_count() > 1
+    }
+
+    /// Whether there is something for a view to show: nothing passes in a single frame.
+    pub(crate) fn has_use_of(&self, view: DockView) -> bool {
+        view != DockView::Time || self.has_time()
+    }
+
+    /// What the source view can show of what is open.
+    pub(crate) fn overlays(&self) -> impl Iterator<Item = (Overlay, &'static str, &'static str)> {
+        let has_time = self.has_time();
+        Overlay::ALL.into_iter().filter(move |(overlay, ..)| has_time || *overlay != Overlay::Split)
+    }
+
+    /// What the live view can show of what is open.
+    pub(crate) fn live_colors(&self) -> impl Iterator<Item = (ColorBy, &'static str, &'static str)> {
+        let (has_time, has_values) = (self.has_time(), !self.value_channels().is_empty());
+        ColorBy::ALL.into_iter().filter(move |(color_by, ..)| match color_by {
+            ColorBy::Span => has_time,
+            ColorBy::Value => has_values,
+            _ => true,
+        })
     }
 
     /// Frames or samples of what is open.
@@ -317,6 +342,7 @@ impl Default for State {
             display: Display::default(),
             recent: Vec::new(),
             recent_pictures: Vec::new(),
+            chosen_ups: Vec::new(),
             busy: Vec::new(),
         }
     }

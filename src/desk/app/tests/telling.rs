@@ -1,5 +1,6 @@
 //! What the window says of its work and of what is measured.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use egui_kittest::Harness;
@@ -8,16 +9,19 @@ use egui_kittest::kittest::Queryable;
 use crate::app::control::OverlookApp;
 use crate::app::control::overlook_app::secs_left;
 use crate::app::dock::Dock;
-use crate::app::model::{Busy, Command, State, StoppableWork};
+use crate::app::model::{Busy, Command, Message, OpenScene, State, StoppableWork};
 use crate::app::rooms::charts::model::Study;
 use crate::app::rooms::files::model::{FileCommand, Opening};
+use crate::app::rooms::files::work::opening;
 use crate::app::rooms::frame::model::{DockView, NoticeLink};
+use crate::app::rooms::live::model::ViewCommand;
 use crate::app::rooms::pixel::model::verdict_text;
 use crate::app::rooms::settings::model::SettingsCommand;
-use crate::app::tests::{ready, start, wait};
+use crate::app::tests::{edits, ready, start, wait};
+use crate::app::work::requests::OpenRequest;
 use crate::app::{model, theme, window};
-use overlook_engine::job::Progress;
-use overlook_engine::settings::{Kernel, Settings};
+use overlook_engine::job::{Job, Progress};
+use overlook_engine::settings::{CaptureSettings, Kernel, Settings};
 
 /// Whether a piece of the window says something.
 fn says(text: &str, mut contents: impl FnMut(&mut egui::Ui)) -> bool {
@@ -45,6 +49,37 @@ fn scoring() -> Progress {
         done: 14,
         total: 15,
     }
+}
+
+#[test]
+fn a_capture_whose_up_was_taken_from_the_cameras_asks_once_and_takes_again_what_was_chosen() {
+    let mut app = start(2, 1);
+    let open = |app: &mut OverlookApp| {
+        let (path, settings) = (edits::small_capture(), CaptureSettings::default());
+        let request = OpenRequest::Path { path, settings, keys: Vec::new() };
+        let Ok(Message::Opened(scene)) = opening::open(request, &Job::new()) else {
+            panic!("the small capture opens")
+        };
+        let scene = Arc::into_inner(scene).expect("nobody else has it");
+        assert!(!scene.up_is_estimated, "its manifest says it");
+        app.opened(&Arc::new(OpenScene { up_is_estimated: true, ..scene }));
+    };
+    let asks = |app: &OverlookApp| app.state.notices.iter().any(|notice| notice.link == Some(NoticeLink::Up));
+    open(&mut app);
+    assert!(asks(&app));
+    app.apply(Command::View(ViewCommand::FindUp));
+    assert!(app.visible_views().contains(&DockView::View));
+    open(&mut app);
+    assert!(!asks(&app), "it was asked before");
+    let recorded = app.state.up_in_world();
+    let up = if recorded == glam::DVec3::X { glam::DVec3::Y } else { glam::DVec3::X };
+    app.apply(Command::View(ViewCommand::Up(Some(up))));
+    open(&mut app);
+    assert_eq!(app.state.up_in_world(), up);
+    assert_eq!(app.state.live.orbit.as_ref().unwrap().up_in_world(), up);
+    app.apply(Command::View(ViewCommand::Up(None)));
+    open(&mut app);
+    assert_eq!(app.state.up_in_world(), recorded);
 }
 
 #[test]

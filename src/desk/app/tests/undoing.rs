@@ -38,6 +38,26 @@ fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
 }
 
 #[test]
+fn changes_are_listed_by_name_in_the_order_in_which_undo_takes_them_back() {
+    let mut app = ready(2, 4);
+    assert!(!app.state.can_undo(true) && app.state.undo_list(true).is_empty());
+    set_method(&mut app, PruningMethod::Off);
+    for frame in [0, 3] {
+        app.apply(Command::Time(TimeCommand::Frame(frame)));
+        app.apply(Command::Path(PathCommand::AddKey));
+    }
+    app.apply(Command::Path(PathCommand::MoveKey { index: 1, frame: 2 }));
+    let expected = ["Change key 2", "Add key 2", "Add key 1", "Pruning method: Highest sampling rate » Off"];
+    assert_eq!(app.state.undo_list(true), expected);
+    for taken_back in 1..=expected.len() {
+        app.apply(Command::Undo);
+        assert_eq!(app.state.undo_list(true), expected[taken_back..]);
+    }
+    assert!(!app.state.can_undo(true) && app.state.can_undo(false));
+    assert_eq!(app.state.undo_list(false).len(), expected.len());
+}
+
+#[test]
 fn a_turn_replaces_the_keys_of_the_path_and_they_come_back() {
     let mut app = ready(2, 4);
     for angle in [0.1, 0.2] {

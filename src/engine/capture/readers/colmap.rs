@@ -85,6 +85,7 @@ impl Reader for Colmap {
             picture_orientation: Some(PictureRows::AsStored),
             ..Keys::default()
         };
+        description.up_is_estimated = true;
         description.notes.push("up is the mean of the cameras' up, as COLMAP stores none".to_owned());
         recording(place, keys, frames, description, reconstruction.inputs)
     }

@@ -63,6 +63,7 @@ impl Reader for PosedFolder {
         let (inputs, keys, frames) = (Vec::new(), Keys::default(), Vec::new());
         let mut found = Found { place, description, inputs, keys, frames };
         (self.find)(&mut found)?;
+        found.description.up_is_estimated = found.keys.up.is_none();
         if let Some(up) = mean_up(&found.frames).filter(|_| found.keys.up.is_none()).map(nearest_axis) {
             // Lists of poses do not say it, and few worlds are as askew as the cameras in them.
             found.keys.up = Some(up.to_array());

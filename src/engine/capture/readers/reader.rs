@@ -83,6 +83,9 @@ pub struct Description {
     pub skipped: Vec<Skipped>,
     /// What else a user should know, one line each.
     pub notes: Vec<String>,
+    /// Whether nothing said which way is up, so that it was taken from the cameras; a note says so too.
+    #[serde(skip)]
+    pub up_is_estimated: bool,
 }
 
 impl Description {

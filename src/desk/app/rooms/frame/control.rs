@@ -54,16 +54,17 @@ impl OverlookApp {
     }
 
     /// Brings a view to the front: out of an area that was hidden, and from behind one that fills the window.
-    fn open_view(&mut self, view: DockView) {
-        if let Some(area) = view.area() {
+    pub(crate) fn open_view(&mut self, view: DockView) {
+        self.dock.open(view);
+        if let Some(area) = self.dock.area_of(view) {
             self.show_area(area, true);
         }
         self.state.look.maximized = self.state.look.maximized.filter(|maximized| *maximized == view);
-        self.dock.open(view);
     }
 
     fn show_area(&mut self, area: Area, show: bool) {
         self.dock.show_area(area, show);
+        self.hide_useless_views();
         let look = &mut self.state.look;
         look.hidden.retain(|hidden| *hidden != area);
         if !show {
@@ -72,13 +73,26 @@ impl OverlookApp {
         look.maximized = None;
     }
 
-    /// Hides the area of cameras' pictures where a store is open, which holds none, and shows it again with a capture.
-    pub(crate) fn show_source_where_there_is_one(&mut self) {
+    /// Hides views that what is open has no use of, in areas that are shown as well.
+    fn hide_useless_views(&mut self) {
+        for (view, ..) in DockView::ALL.iter().filter(|(view, ..)| !self.state.has_use_of(*view)) {
+            self.dock.show_view(*view, false);
+        }
+    }
+
+    /// Hides the area of cameras' pictures where a store is open, which holds none, and shows it again with a capture; the same of
+    /// other views that there may be nothing for.
+    pub(crate) fn show_views_of_scene(&mut self) {
         let (maximized, has_capture) = (self.state.look.maximized, self.state.has_capture());
         if self.state.look.shows(Area::Source) != has_capture {
             self.show_area(Area::Source, has_capture);
         }
-        self.state.look.maximized = maximized.filter(|view| has_capture || *view != DockView::Source);
+        for (view, ..) in DockView::ALL {
+            let is_shown = self.dock.area_of(view).is_none_or(|area| self.state.look.shows(area));
+            self.dock.show_view(view, is_shown && self.state.has_use_of(view));
+        }
+        self.state.look.maximized = maximized
+            .filter(|view| (has_capture || *view != DockView::Source) && self.state.has_use_of(*view));
     }
 
     /// Shows every area of the workspace that has something to show: a store holds no pictures of cameras.

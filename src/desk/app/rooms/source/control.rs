@@ -2,6 +2,7 @@
 
 use super::model::SourceCommand;
 use crate::app::control::overlook_app::OverlookApp;
+use crate::app::rooms::frame::model::DockView;
 
 impl OverlookApp {
     /// Carries out what concerns the source view.
@@ -11,13 +12,27 @@ impl OverlookApp {
             SourceCommand::Camera(camera) => {
                 if state.doc.scene.as_ref().is_some_and(|scene| camera < scene.cameras.len()) {
                     state.source.camera = camera;
+                    state.source.chosen_at = Some(self.ctx.cumulative_frame_nr());
                     state.source.against = state.source.against.filter(|&against| against != camera);
+                    self.show_in_list();
                 }
             }
             SourceCommand::Overlay(overlay) => state.source.overlay = overlay,
             SourceCommand::Against(against) => state.source.against = against,
             SourceCommand::Zoom(part) => state.source.part = part,
             SourceCommand::Isolate(camera) => state.doc.isolated = camera,
+        }
+    }
+
+    /// Where no view shows the picture of the camera that was chosen, brings the panel with the list of cameras to the front. What
+    /// somebody hid, or left by maximizing a view, stays away.
+    fn show_in_list(&mut self) {
+        let look = &self.state.look;
+        let visible = self.visible_views();
+        let is_seen = [DockView::Source, DockView::Cameras].iter().any(|view| visible.contains(view));
+        let is_shown = self.dock.area_of(DockView::View).is_none_or(|area| look.shows(area));
+        if !is_seen && is_shown && look.maximized.is_none() && self.dock.holds(DockView::View) {
+            self.dock.open(DockView::View);
         }
     }
 }

@@ -9,6 +9,7 @@ use glam::DVec2;
 use super::overlays::{as_drawn, frustum};
 use crate::app::camera_cues;
 use crate::app::model::{Command, Commands, OpenScene, State};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::live::model::ViewCommand;
 use crate::app::rooms::source::model::SourceCommand;
 use crate::app::theme::Tokens;
@@ -111,8 +112,18 @@ fn name(ui: &Ui, canvas: Rect, state: &State, seen: &mut [ProjectedCamera<'_>]) 
     }
 }
 
-fn is_chosen(state: &State, camera: usize) -> bool {
-    camera == state.source.camera && state.has_capture()
+/// Whether a camera is the chosen one. The first one is so by itself only where there is a picture of it.
+pub(crate) fn is_chosen(state: &State, camera: usize) -> bool {
+    camera == state.source.camera && (state.has_capture() || state.source.chosen_at.is_some())
+}
+
+/// What clicks on a camera do, in a line.
+pub(crate) fn clicks(state: &State) -> &'static str {
+    if state.look.in_sight.contains(&DockView::Source) {
+        "Click: show its picture. Double-click: view from it."
+    } else {
+        "Click: choose it; the View panel marks it. Double-click: view from it."
+    }
 }
 
 /// The nearest camera with its name or pyramid under the pointer.
@@ -232,7 +243,7 @@ pub(crate) fn answer(
     let name =
         state.doc.scene.as_ref().and_then(|scene| scene.cameras.get(camera)).map(|camera| &camera.name);
     if let Some(name) = name {
-        let help = format!("{name}\nClick: show its picture. Double-click: view from it. Right-click: more.");
+        let help = format!("{name}\n{} Right-click: more.", clicks(state));
         response.clone().on_hover_text_at_pointer(help);
     }
     if response.double_clicked() {
@@ -260,9 +271,13 @@ pub(crate) fn menu(
         let cameras = &state.live.cameras;
         let is_solo = cameras.solo == Some(camera);
         let shows = cameras.shows(camera);
+        if state.has_capture() && ui.button("Show its picture").clicked() {
+            commands.push(Command::Window(WindowCommand::OpenView(DockView::Source)));
+            commands.push(Command::Source(SourceCommand::Camera(camera)));
+            ui.close();
+        }
         for (name, command) in [
             ("View from it", Command::View(ViewCommand::JumpTo(camera))),
-            ("Show its picture", Command::Source(SourceCommand::Camera(camera))),
             (
                 if is_solo { "All cameras again" } else { "Solo" },
                 Command::View(ViewCommand::Solo((!is_solo).then_some(camera))),

@@ -131,6 +131,12 @@ impl SceneEdits {
         self.is_latest && self.steps.can(undo)
     }
 
+    /// The changes that undo would take back, or redo do again, by their names, the next first.
+    pub(crate) fn named_changes(&self, undo: bool) -> impl Iterator<Item = String> {
+        let steps = Some(&self.steps).filter(|_| self.is_latest).into_iter();
+        steps.flat_map(move |steps| steps.changes(undo, &self.list)).map(named)
+    }
+
     /// Takes the last change of the list back, or does it again; false where there is none.
     pub(crate) fn step(&mut self, undo: bool) -> bool {
         if !self.can(undo) {
@@ -222,6 +228,29 @@ impl SceneEdits {
     }
 }
 
+/// What was done to a list.
+fn named([before, after]: [&EditList; 2]) -> String {
+    let (before, after) = (&before.edits, &after.edits);
+    let differ = |(before, after): &(&Edit, &Edit)| before != after;
+    let mut differing = before.iter().zip(after).filter(differ);
+    match (after.len() as i64 - before.len() as i64, differing.next(), differing.next()) {
+        (1, None, _) => after.last().map_or_else(String::new, |added| added.name.clone()),
+        (-1, ..) => {
+            let removed = before.iter().find(|edit| !after.contains(edit)).or(before.last());
+            format!("Remove \"{}\"", removed.map_or("", |edit| &edit.name))
+        }
+        (0, Some((old, new)), None) if old.is_on != new.is_on => {
+            format!("Switch \"{}\" {}", new.name, if new.is_on { "on" } else { "off" })
+        }
+        (0, Some((old, new)), None) if old.name != new.name => format!("Name \"{}\"", new.name),
+        (0, Some((_, new)), None) => format!("Change \"{}\"", new.name),
+        (0, Some(_), Some(_)) if before.iter().all(|edit| after.contains(edit)) => {
+            "Change the order of edits".to_owned()
+        }
+        _ => "Open edits".to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::region::last_shape;
@@ -240,6 +269,35 @@ mod tests {
         assert!(edits.step(false) && edits.step(false) && edits.list.edits[0].name == "b");
         edits.is_latest = false;
         assert!(!edits.step(true), "a setting was changed after it");
+    }
+
+    #[test]
+    fn changes_of_the_list_have_names() {
+        let mut edits = SceneEdits::default();
+        for name in ["Delete sphere", "Mask left"] {
+            let edit = Edit::new(name, Action::Delete, Region::Doubtful);
+            edits.change(true, |list| list.edits.push(edit));
+        }
+        edits.change(true, |list| list.edits[1].is_on = false);
+        edits.change(true, |list| list.edits.swap(0, 1));
+        edits.change(true, |list| list.edits[0].name = "mask".to_owned());
+        edits.change(true, |list| drop(list.edits.remove(1)));
+        edits.change(true, |list| list.edits.clear());
+        let names = |edits: &SceneEdits, undo| edits.named_changes(undo).collect::<Vec<_>>();
+        let expected = [
+            "Remove \"mask\"",
+            "Remove \"Delete sphere\"",
+            "Name \"mask\"",
+            "Change the order of edits",
+            "Switch \"Mask left\" off",
+            "Mask left",
+            "Delete sphere",
+        ];
+        assert_eq!(names(&edits, true), expected);
+        assert!(edits.step(true) && edits.step(true));
+        assert_eq!(names(&edits, false), [expected[1], expected[0]]);
+        edits.is_latest = false;
+        assert!(names(&edits, true).is_empty(), "undo takes a setting back first");
     }
 
     #[test]

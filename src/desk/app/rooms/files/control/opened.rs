@@ -9,9 +9,10 @@ use crate::app::model;
 use crate::app::model::{Document, OpenScene, SceneSource};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::compare::model::CompareVantage;
-use crate::app::rooms::frame::model::{DockView, NoticeKind};
+use crate::app::rooms::frame::model::{DockView, NoticeKind, NoticeLink};
+use crate::app::rooms::live::model::ColorBy;
 use crate::app::rooms::settings::model::SettingPairs;
-use crate::app::rooms::source::model::SourceLook;
+use crate::app::rooms::source::model::{Overlay, SourceLook};
 use crate::app::work::slot::AnySlot;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::Settings;
@@ -20,7 +21,7 @@ impl OverlookApp {
     pub(crate) fn opened(&mut self, scene: &Arc<OpenScene>) {
         self.state.remember_picture();
         self.forget_closed_scene(scene);
-        self.show_source_where_there_is_one();
+        self.show_views_of_scene();
         self.notify_of_opened(scene);
         // Work for the closed scene stops, except for files that are being written.
         self.workers.whole.cancel();
@@ -56,8 +57,15 @@ impl OverlookApp {
         state.share.close_scene();
         state.timeline = state.timeline.at_start();
         state.live = state.live.at_scene(scene);
+        state.take_chosen_up(scene);
         state.source = SourceLook { overlay: state.source.overlay, ..SourceLook::default() };
         state.display = Display::default();
+        if state.overlays().all(|(overlay, ..)| overlay != state.source.overlay) {
+            state.source.overlay = Overlay::default();
+        }
+        if state.live_colors().all(|(color_by, ..)| color_by != state.live.color_by) {
+            state.live.color_by = ColorBy::Picture;
+        }
         state.notices.retain(|notice| notice.kind != NoticeKind::Error && notice.scene.is_none());
     }
 
@@ -80,9 +88,21 @@ impl OverlookApp {
                 counted(changed, "setting"),
                 either(changed, "differs", "differ")
             );
-            state.notify_with_link("Settings were kept", text, DockView::Thresholds);
+            state.notify_with_link("Settings were kept", text, NoticeLink::View(DockView::Thresholds));
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
+        self.ask_for_up(scene);
+    }
+
+    /// Asks once of a capture whose up was taken from the cameras whether it is right.
+    fn ask_for_up(&mut self, scene: &OpenScene) {
+        let SceneSource::Path(path) = &scene.origin else { return };
+        let is_known = self.state.chosen_ups.iter().any(|(known, _)| known == path);
+        if scene.up_is_estimated && !is_known && scene.session.is_none() {
+            self.state.chosen_ups.push((path.clone(), None));
+            let text = "The files do not say which way is up; it was taken from the cameras.";
+            self.state.notify_with_link("Does it lie on its side?", text, NoticeLink::Up);
+        }
     }
 
     pub(crate) fn saved(&mut self, path: &Path, bytes: Option<u64>, holds: Option<(u64, Settings)>) {

@@ -43,6 +43,7 @@ impl OverlookApp {
             FileCommand::ForgetRecent => {
                 self.state.recent.clear();
                 self.state.recent_pictures.clear();
+                self.state.chosen_ups.clear();
             }
             FileCommand::Introduced => self.state.inspector.introduced = true,
             FileCommand::RoomExplained => self.state.inspector.room_explained = true,

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::app::dock::Dock;
-use crate::app::model::State;
+use crate::app::model::{OpenScene, SceneSource, State};
 use crate::app::rooms::files::model::RecentPicture;
-use crate::app::rooms::live::model::Guides;
+use crate::app::rooms::live::model::{Guides, OrbitCamera};
 use crate::app::rooms::settings::model::SettingsSlot;
 use overlook_engine::settings::Settings;
 
@@ -26,6 +27,8 @@ pub(crate) struct Memory {
     recent: Vec<PathBuf>,
     /// Paths, and PNG pictures in base64.
     recent_pictures: Vec<(PathBuf, String)>,
+    /// Paths, and which way was chosen to be up in them.
+    chosen_ups: Vec<(PathBuf, Option<[f64; 3]>)>,
     settings: String,
     /// The settings of the slot that is not on; empty while both are the same.
     other_settings: String,
@@ -61,6 +64,10 @@ impl Memory {
                 .filter(|picture| state.recent.contains(&picture.path))
                 .filter_map(|picture| Some((picture.path.clone(), picture.to_text()?)))
                 .collect(),
+            chosen_ups: (state.chosen_ups.iter())
+                .filter(|(path, _)| state.recent.contains(path))
+                .map(|(path, up)| (path.clone(), up.map(|up| up.to_array())))
+                .collect(),
             settings: state.settings.to_toml(),
             other_settings: history.other.as_ref().map_or_else(String::new, Settings::to_toml),
             is_b_on: history.slot == SettingsSlot::B,
@@ -88,6 +95,9 @@ impl Memory {
         state.recent_pictures = (self.recent_pictures.into_iter())
             .filter_map(|(path, text)| RecentPicture::from_text(path, &text))
             .collect();
+        let unit = |up: [f64; 3]| DVec3::from(up).try_normalize();
+        state.chosen_ups =
+            (self.chosen_ups.into_iter()).map(|(path, up)| (path, up.and_then(unit))).collect();
         let settings = |text: &str| Settings::known_from_toml(text).map(|(settings, _)| settings);
         state.settings = settings(&self.settings).unwrap_or_default();
         let other = (!self.other_settings.is_empty()).then(|| settings(&self.other_settings)).flatten();
@@ -101,6 +111,27 @@ impl Memory {
         state.inspector.presets =
             (self.presets.into_iter()).filter_map(|(name, text)| Some((name, settings(&text)?))).collect();
         Dock::from_json(&self.layout)
+    }
+}
+
+impl State {
+    /// Remembers which way was chosen to be up in what is open.
+    pub(crate) fn remember_up(&mut self, up: Option<DVec3>) {
+        let Some(SceneSource::Path(path)) = self.doc.scene.as_ref().map(|scene| &scene.origin) else {
+            return;
+        };
+        self.chosen_ups.retain(|(known, _)| known != path);
+        self.chosen_ups.push((path.clone(), up));
+    }
+
+    /// Lets be up what was chosen when the scene was open before.
+    pub(crate) fn take_chosen_up(&mut self, scene: &OpenScene) {
+        let SceneSource::Path(path) = &scene.origin else { return };
+        let chosen = self.chosen_ups.iter().find(|(known, _)| known == path);
+        if let Some(up) = chosen.and_then(|(_, up)| *up) {
+            self.live.up = Some(up);
+            self.live.orbit = OrbitCamera::home(scene, up);
+        }
     }
 }
 
@@ -141,6 +172,17 @@ mod tests {
         expected.render.views = 3;
         assert_eq!(state.settings, expected);
         assert_eq!(state.inspector.presets, [("mine".to_owned(), expected)]);
+    }
+
+    #[test]
+    fn which_way_is_up_is_remembered_of_recent_captures() {
+        let mut state = State::default();
+        state.recent.push("/kitchen".into());
+        let ups = [("/kitchen", Some(DVec3::NEG_Y)), ("/cellar", None)];
+        state.chosen_ups = ups.map(|(path, up)| (path.into(), up)).into();
+        let mut next = State::default();
+        Memory::of(&state, &Dock::new()).restore(&mut next);
+        assert_eq!(next.chosen_ups, [("/kitchen".into(), Some(DVec3::NEG_Y))]);
     }
 
     #[test]

@@ -73,6 +73,7 @@ fn open_path(
     let manifest = source.manifest().map(PathBuf::from);
     let is_reread = !keys.is_empty();
     let source = if is_reread { source.read_as(keys)? } else { source };
+    let up_is_estimated = source.description().up_is_estimated;
     let mut capture = source.open(settings)?;
     job.check()?;
     let mut truth = Vec::new();
@@ -87,7 +88,7 @@ fn open_path(
         truth = transforms::open_views_of(&views, capture.frames_are_ranked())?;
     }
     let scene = open_capture(SceneSource::Path(path), capture, truth, job)?;
-    Ok(OpenScene { manifest, is_reread, ..scene })
+    Ok(OpenScene { manifest, is_reread, up_is_estimated, ..scene })
 }
 
 fn open_capture(

@@ -20,6 +20,8 @@ pub(crate) enum NoticeLink {
     View(DockView),
     /// The dialog that compares two readings of the capture.
     Readings,
+    /// Where it is chosen which way is up.
+    Up,
     /// What a capture is known by.
     Sources,
     /// The folder of a file that was written.

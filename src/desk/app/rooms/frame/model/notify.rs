@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::notice::{Notice, NoticeKind, NoticeLink, and_others};
-use super::view::DockView;
 use crate::app::model::state::State;
 use overlook_engine::capture::NO_CAPTURE;
 use overlook_engine::error::Error;
@@ -27,15 +26,15 @@ impl State {
         self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, None);
     }
 
-    /// Adds a message about what is open that a view shows in full.
+    /// Adds a message about what is open that leads somewhere.
     pub(crate) fn notify_with_link(
         &mut self,
         title: impl Into<String>,
         text: impl Into<String>,
-        view: DockView,
+        link: NoticeLink,
     ) {
         let scene = self.doc.scene.as_ref().map(|scene| scene.id);
-        self.add_notice(NoticeKind::Done, title.into(), text.into(), scene, Some(NoticeLink::View(view)));
+        self.add_notice(NoticeKind::Done, title.into(), text.into(), scene, Some(link));
     }
 
     /// Adds a warning about what is open that something else shows in full.

@@ -46,6 +46,8 @@ pub(crate) struct WindowLook {
     pub hidden: Vec<Area>,
     /// Whether the summary bar above the views is hidden.
     pub hides_totals: bool,
+    /// The views that can be seen.
+    pub in_sight: Vec<DockView>,
 }
 
 impl WindowLook {

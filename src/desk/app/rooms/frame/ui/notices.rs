@@ -6,6 +6,7 @@ use egui_material_icons::icons::{ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_ERROR, ICON
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::frame::model::{Notice, NoticeKind, NoticeLink, WindowCommand};
 use crate::app::rooms::help::model::HelpPage;
+use crate::app::rooms::live::model::ViewCommand;
 use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::rooms::share::model::ShareCommand;
 use crate::app::theme::{Tokens, space};
@@ -70,6 +71,9 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                                 "Compare readings…".to_owned(),
                                 Command::Reading(ReadingCommand::Compare(true)),
                             ),
+                            NoticeLink::Up => {
+                                ("Set which way is up".to_owned(), Command::View(ViewCommand::FindUp))
+                            }
                             NoticeLink::Sources => (
                                 "What opens?".to_owned(),
                                 Command::Window(WindowCommand::Help(Some(HelpPage::Sources))),

@@ -139,7 +139,8 @@ fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_DASHBOARD, "Panels", |ui| {
         // In two columns, so that all of the menu fits a window 640 points high.
         egui::Grid::new("views").num_columns(2).show(ui, |ui| {
-            for (nth, (view, name, help)) in DockView::ALL.into_iter().enumerate() {
+            let views = DockView::ALL.into_iter().filter(|(view, ..)| state.has_use_of(*view));
+            for (nth, (view, name, help)) in views.enumerate() {
                 let button = ui.button(name).on_hover_text(help);
                 if button.accessible_name(format!("Open view {name}")).clicked() {
                     commands.push(Command::Window(WindowCommand::OpenView(view)));

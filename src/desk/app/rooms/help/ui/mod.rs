@@ -1,6 +1,7 @@
 //! What is drawn.
 
 pub(crate) mod command_palette;
+pub(crate) mod palette_entries;
 pub(crate) mod palette_words;
 pub(crate) mod panel;
 pub(crate) mod view_entries;

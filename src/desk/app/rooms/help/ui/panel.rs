@@ -24,13 +24,20 @@ pub(crate) fn help_ui(ctx: &egui::Context, state: &State, commands: &mut Command
     }
 }
 
-/// The guide is beside the views that it explains, and unlike the sheets it leaves the window usable.
+/// Columns and rows of the guide at first, points.
+const GUIDE_SIZE: egui::Vec2 = egui::vec2(460.0, 520.0);
+
+/// The guide is beside the views that it explains, and unlike the sheets it leaves the window usable: at the right, below the menus.
 fn guide_ui(ctx: &egui::Context, commands: &mut Commands) {
     let mut open = true;
+    let area = ctx.content_rect();
+    let corner =
+        area.right_top() + egui::vec2(-GUIDE_SIZE.x - 40.0, space::TOP_BAR + space::TOTALS + space::MEDIUM);
     egui::Window::new("Guide")
         .open(&mut open)
-        .default_size([460.0, 520.0])
-        .max_height(ctx.content_rect().height() - 120.0)
+        .default_pos(corner)
+        .default_size(GUIDE_SIZE)
+        .max_height(area.height() - 120.0)
         .show(ctx, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 for block in blocks(GUIDE) {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::address;
 use crate::app::control::overlook_app::OverlookApp;
-use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::live::model::{FLY_SPEEDS, HoleDisplay, OrbitCamera, ViewCommand};
 use crate::app::rooms::path::control::key_of;
 use crate::app::rooms::source::model::PictureZoom;
@@ -34,11 +34,16 @@ impl OverlookApp {
             ViewCommand::Unit(unit) => live.unit = unit,
             ViewCommand::Up(up) => {
                 live.up = up;
+                self.state.remember_up(up);
                 let up = self.state.up_in_world();
                 if let Some(orbit) = &mut self.state.live.orbit {
                     orbit.set_up(up);
                     orbit.level();
                 }
+            }
+            ViewCommand::FindUp => {
+                live.up_wanted_at = Some(self.ctx.cumulative_frame_nr());
+                self.open_view(DockView::View);
             }
             ViewCommand::CameraOn(camera, true) => {
                 live.cameras.off.remove(&camera);
@@ -78,6 +83,7 @@ impl OverlookApp {
             }
             ViewCommand::CopyPicture => self.copy_picture(),
             ViewCommand::FramePoint => self.frame_point(),
+            ViewCommand::Focus(point) => self.turn(|orbit| orbit.look_at(point)),
             ViewCommand::AngleOfView(angle) => self.turn(|orbit| orbit.set_angle_of_view(angle)),
             ViewCommand::Position(at) => self.turn(|orbit| orbit.world_from_camera.translation = at),
             ViewCommand::Angles(angles) => self.turn(|orbit| orbit.set_angles(angles)),

@@ -36,6 +36,8 @@ pub(crate) enum ViewCommand {
     Unit(Unit),
     /// Let a direction of world space be up; `None` takes the one of the capture.
     Up(Option<DVec3>),
+    /// Show where it is chosen which way is up.
+    FindUp,
     /// Show or leave out the samples of a camera.
     CameraOn(usize, bool),
     /// Show the samples of one camera alone; of all that are on by `None`.
@@ -71,6 +73,8 @@ pub(crate) enum ViewCommand {
     CopyPicture,
     /// Center the live view on the selected pixel.
     FramePoint,
+    /// Center the live view on a point in world space, and orbit about it.
+    Focus(DVec3),
 }
 
 /// What can be done with views that are kept, by their index in the list.

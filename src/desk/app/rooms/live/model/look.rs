@@ -27,6 +27,8 @@ pub(crate) struct LiveLook {
     pub unit: Unit,
     /// The chosen direction of up in world space; `None` takes the one of the capture.
     pub up: Option<DVec3>,
+    /// The frame of the window in which somebody asked where up is chosen.
+    pub up_wanted_at: Option<u64>,
     /// The area of the view and its legend in the window, points.
     pub area: egui::Rect,
     /// How fast keys fly, in the speed of a first run.
@@ -64,6 +66,7 @@ impl Default for LiveLook {
             ruler: Ruler::default(),
             unit: Unit::default(),
             up: None,
+            up_wanted_at: None,
             area: egui::Rect::NOTHING,
             fly_speed: 1.0,
             shares_device: false,

@@ -12,6 +12,9 @@ const STEEPEST: f64 = 0.985;
 /// of slanted surfaces: on one capture 140 pixels of them at 1 (magnified), 320 at 2 and 1090 at 3.
 const FINEST_AT_REST: f64 = 2.0;
 
+/// Largest side of a picture in motion, in pixels, so that turning stays smooth on large displays.
+const LARGEST_IN_MOTION: f64 = 1600.0;
+
 /// Distance of the first vantage from the first camera, as a share of the way to the second.
 const HOME_STEP: f64 = 0.3;
 
@@ -98,9 +101,12 @@ impl OrbitCamera {
         Self { lens: self.camera(width, height).intrinsics, ..self.clone() }
     }
 
-    /// The size at which a view of `width × height` pixels is painted while it moves: no finer than the lens recorded.
+    /// The size at which a view of `width × height` pixels is painted while it moves: no finer than the lens recorded, and no larger
+    /// than [`LARGEST_IN_MOTION`].
     pub(crate) fn size_in_motion(&self, size: [u32; 2]) -> [u32; 2] {
-        self.painted_size(size, 1.0)
+        let size = self.painted_size(size, 1.0);
+        let scale = LARGEST_IN_MOTION / f64::from(size[0].max(size[1]));
+        size.map(|side| ((f64::from(side) * scale.min(1.0)).round() as u32).max(1))
     }
 
     /// The size at which it is painted once it rests. Outlines are then as sharp as the view, and surfaces that another camera saw from
@@ -262,6 +268,10 @@ mod tests {
         assert_eq!(both([1280, 480]), [[128, 48], [256, 96]]);
         assert_eq!(both([96, 72]), [[64, 48], [96, 72]]);
         assert_eq!(both([32, 24]), [[32, 24]; 2]);
+        let lens = Intrinsics::from_horizontal_angle(4096, 2304, 1.0);
+        let of_a_large_lens = OrbitCamera { lens, ..OrbitCamera::for_tests() };
+        assert_eq!(of_a_large_lens.size_in_motion([1920, 1080]), [1600, 900]);
+        assert_eq!(of_a_large_lens.size_at_rest([1920, 1080]), [1920, 1080]);
     }
 
     #[test]

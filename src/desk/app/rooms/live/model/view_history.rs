@@ -22,6 +22,7 @@ impl ViewHistory {
                 ViewCommand::JumpTo(_)
                     | ViewCommand::Home
                     | ViewCommand::FramePoint
+                    | ViewCommand::Focus(_)
                     | ViewCommand::LookAlong(_)
                     | ViewCommand::GoToAddress(_)
                     | ViewCommand::Kept(KeptViewCommand::GoTo(_))

@@ -75,7 +75,7 @@ pub(crate) const UP_DIRECTIONS: [(Option<DVec3>, &str, &str); 7] = [
 ];
 
 const UP_HELP: &str = "The axis of the world that points up. Choose it if a capture is shown on its side: orbiting, the horizon and the ground \
-     follow it. To keep it, write \"up\" into the manifest, as in \"up\": [0, 1, 0].";
+     follow it. The choice is remembered with the capture; for other windows write \"up\" into the manifest, as in \"up\": [0, 1, 0].";
 
 /// The unit of the scene's lengths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

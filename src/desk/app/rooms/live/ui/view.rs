@@ -11,7 +11,7 @@ use crate::app::rooms::cameras::ui::{overlay as cameras_overlay, overlays};
 use crate::app::rooms::edits::model::{DrawnDepth, EditTool};
 use crate::app::rooms::edits::ui::drawing::{Drawn, PicturePlace};
 use crate::app::rooms::edits::ui::{drawing, shapes as edit_shapes};
-use crate::app::rooms::live::model::{ColorBy, HoleDisplay, ViewCommand};
+use crate::app::rooms::live::model::{HoleDisplay, ViewCommand};
 use crate::app::rooms::live::ui::{go_to, guides};
 use crate::app::rooms::pixel::model::{Spot, verdict_text as words};
 use crate::app::rooms::source::ui::view::FOOTER;
@@ -29,8 +29,8 @@ use overlook_engine::render::NO_IMAGE;
 /// Radians of orbit per point that the pointer is dragged.
 const ORBIT_PER_POINT: f64 = 0.008;
 
-/// Largest side of the live view in pixels that is asked for, so that turning stays smooth on large displays.
-const LARGEST_SIDE: f32 = 1600.0;
+/// Largest side of the live view in pixels that is asked for.
+const LARGEST_SIDE: f32 = 4096.0;
 
 /// Width of `Holes` and what separates it, points.
 const LABEL_WIDTH: f32 = 66.0;
@@ -53,9 +53,7 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
-        let has_values = !state.value_channels().is_empty();
-        let choices = ColorBy::ALL.into_iter().filter(|(of, ..)| has_values || *of != ColorBy::Value);
-        if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, choices) {
+        if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, state.live_colors()) {
             commands.push(Command::View(ViewCommand::ColorBy(color_by)));
         }
         let needed = LABEL_WIDTH + least_width_of_segments(ui, &HoleDisplay::ALL);
@@ -222,6 +220,14 @@ fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec
     (inverse_depth > 0.0).then(|| seen.camera.unproject(place, 1.0 / inverse_depth))
 }
 
+/// What a double-click asks for: to orbit about the point under the pointer, or the first view where there is none; nothing while
+/// the picture's depth cannot be read.
+fn focus(response: &Response, canvas: Rect, state: &State) -> Option<ViewCommand> {
+    state.live_seen()?.inverse_depth?;
+    let point = response.interact_pointer_pos().and_then(|at| point_under(state, canvas, at));
+    Some(point.map_or(ViewCommand::Home, ViewCommand::Focus))
+}
+
 /// Turns, shifts and zooms the view; `is_taken` where a camera answers clicks.
 fn motion(
     ui: &Ui,
@@ -232,7 +238,7 @@ fn motion(
     commands: &mut Commands,
 ) {
     if response.double_clicked() && !is_taken && !state.live.ruler.active {
-        commands.push(Command::View(ViewCommand::Home));
+        commands.extend(focus(response, canvas, state).map(Command::View));
         return;
     }
     let draws = state.doc.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
@@ -270,9 +276,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
             let [width, height] = shown.picture.size;
             let reused = if stats.background_reused { ", static part cached" } else { "" };
             format!(
-                "{} ({}) · {} at {width}×{height} in {} ms by the {}{reused}",
-                model::count_of(stats.holes, "hole"),
-                model::percent(stats.holes, (width * height).max(1) as u64),
+                "{} at {width}×{height} in {} ms by the {}{reused}",
                 model::count_of(stats.samples, "sample"),
                 model::significant(stats.milliseconds),
                 shown.picture.painter
@@ -281,8 +285,8 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         None if state.is_frame_failed() => words::FAILED_FRAME.to_owned(),
         None => "Rendering the first picture.".to_owned(),
     };
-    let help = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to reset the view, click to pin \
-                the pixel.";
+    let help = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to orbit about a point (beside all \
+                surfaces: to reset the view), click to pin the pixel.";
     let notice = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
     let (facts, color) = match notice {
         Some(notice) => (notice.clone(), tokens.warning),

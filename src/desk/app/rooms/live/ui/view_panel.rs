@@ -1,4 +1,4 @@
-//! The live view's camera in numbers, its guides, and the cameras whose samples it shows.
+//! The live view's lens, the cameras whose samples it shows, its pose in numbers, its guides, and the views that are kept.
 
 use std::f64::consts::PI;
 
@@ -14,19 +14,23 @@ use crate::app::rooms::live::model::{
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, note, segments_ui};
 
+/// Frames of the window for which the panel scrolls to what was asked for: it may lie behind another then.
+const NEW: u64 = 4;
+
 /// The panel.
 pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(orbit) = &state.live.orbit else { return };
     let mut sent = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         lens_ui(ui, orbit, &mut sent);
+        heading_ui(ui, "Cameras");
+        // The rows are closer than what follows.
+        ui.scope(|ui| camera_list_ui(ui, state, commands));
         pose_ui(ui, state, orbit, &mut sent);
         guides_ui(ui, state, &mut sent);
         moving_ui(ui, state, &mut sent);
         heading_ui(ui, "Kept views");
         kept_views_ui(ui, state, &mut sent);
-        heading_ui(ui, "Cameras");
-        camera_list_ui(ui, state, commands);
     });
     commands.extend(sent.into_iter().map(Command::View));
 }
@@ -155,7 +159,11 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
             sent.push(ViewCommand::FlySpeed(speed));
         }
         ui.end_row();
-        ui.label("Up");
+        let up = ui.label("Up");
+        let now = ui.ctx().cumulative_frame_nr();
+        if state.live.up_wanted_at.is_some_and(|at| now <= at + NEW) {
+            up.scroll_to_me(Some(egui::Align::Center));
+        }
         if let Some(up) = choice_ui(ui, "Up axis", state.live.up, &UP_DIRECTIONS, 106.0) {
             sent.push(ViewCommand::Up(up));
         }

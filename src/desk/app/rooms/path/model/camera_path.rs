@@ -166,6 +166,20 @@ impl CameraPath {
         (changes.moved, changes.is_latest) = (moved, true);
     }
 
+    /// Whether undo (or redo) would take a change of the keys back (or make it again).
+    pub(crate) fn can(&self, undo: bool) -> bool {
+        self.changes.is_latest && self.changes.steps.can(undo)
+    }
+
+    /// The changes that undo would take back, or redo make again, by their names, the next first.
+    pub(crate) fn named_changes(&self, undo: bool) -> Vec<String> {
+        if !self.changes.is_latest {
+            return Vec::new();
+        }
+        let now = self.shape();
+        self.changes.steps.changes(undo, &now).map(|[before, after]| before.named_change_to(after)).collect()
+    }
+
     /// Takes the last change of the keys back, or does it again; false where there is none, or something else was changed since.
     pub(crate) fn step(&mut self, undo: bool) -> bool {
         let now = self.shape();

@@ -5,6 +5,7 @@ pub(crate) mod histogram;
 pub(crate) mod presets;
 pub(crate) mod setting_names;
 pub(crate) mod undo;
+pub(crate) mod undo_list;
 
 pub(crate) use command::SettingsCommand;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};

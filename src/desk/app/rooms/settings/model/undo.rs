@@ -39,6 +39,15 @@ impl<T> Steps<T> {
         !if undo { &self.past } else { &self.future }.is_empty()
     }
 
+    /// The changes that can be taken back, the last first, or made again, the next first: what something was before each, and after
+    /// it; `now` is what it is.
+    pub(crate) fn changes<'a>(&'a self, undo: bool, now: &'a T) -> impl Iterator<Item = [&'a T; 2]> {
+        let states = if undo { &self.past } else { &self.future };
+        let nearer = std::iter::once(now).chain(states.iter().rev());
+        let pairs = nearer.zip(states.iter().rev());
+        pairs.map(move |(nearer, farther)| if undo { [farther, nearer] } else { [nearer, farther] })
+    }
+
     /// What something was before the last change, or after it where that was taken back; `now` is what it is.
     pub(crate) fn step(&mut self, undo: bool, now: T) -> Option<T> {
         let (from, to) =
@@ -98,6 +107,15 @@ impl History {
     /// Whether there is something to go forward to.
     pub(crate) fn can_redo(&self) -> bool {
         self.past.steps.can(false)
+    }
+
+    /// The changes of the settings that are on, as [`Steps::changes`] gives them.
+    pub(crate) fn changes<'a>(
+        &'a self,
+        undo: bool,
+        now: &'a Settings,
+    ) -> impl Iterator<Item = [&'a Settings; 2]> {
+        self.past.steps.changes(undo, now)
     }
 
     /// The settings before the last change of those that are on.
@@ -164,6 +182,21 @@ mod tests {
         history.record(&with(5.0), Some("pruning.depth_tolerance"), at);
         let undone = std::iter::successors(history.undo(&with(6.0)), |now| history.undo(now));
         assert_eq!(undone.collect::<Vec<_>>(), [5.0, 4.0, 3.0, 2.0, 1.0].map(with));
+    }
+
+    #[test]
+    fn changes_are_listed_in_the_order_in_which_they_are_taken_back_and_made_again() {
+        let mut steps = Steps::default();
+        let listed = |steps: &Steps<u32>, undo: bool, now: u32| -> Vec<[u32; 2]> {
+            steps.changes(undo, &now).map(|pair| pair.map(|state| *state)).collect()
+        };
+        for before in 0..3 {
+            steps.record(before, true);
+        }
+        assert_eq!(listed(&steps, true, 3), [[2, 3], [1, 2], [0, 1]]);
+        assert_eq!((steps.step(true, 3), steps.step(true, 2)), (Some(2), Some(1)));
+        assert_eq!(listed(&steps, true, 1), [[0, 1]]);
+        assert_eq!(listed(&steps, false, 1), [[1, 2], [2, 3]]);
     }
 
     #[test]

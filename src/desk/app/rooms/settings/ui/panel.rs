@@ -1,7 +1,7 @@
 //! The settings, generated from the one table of settings, so that none is ever missing here; and settings to start from.
 
 use egui::{Align, Button, CollapsingHeader, DragValue, Id, Layout, Modal, RichText, ScrollArea, Slider, Ui};
-use egui_material_icons::icons::{ICON_DELETE, ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
+use egui_material_icons::icons::{ICON_DELETE, ICON_RESTART_ALT};
 
 use crate::app::control::gave_up_number;
 use crate::app::model::{Command, Commands, State};
@@ -9,6 +9,7 @@ use crate::app::rooms::settings::model::{
     CUT, PRESETS, SECTIONS, SettingPairs, SettingsCommand, SettingsSlot, setting_names,
 };
 use crate::app::rooms::settings::ui::histogram;
+use crate::app::rooms::settings::ui::undo_button::undo_button_ui;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, icon_button, note, text_field_ui, weak};
 use overlook_engine::plural::{counted, either};
@@ -79,15 +80,8 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 fn history_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let history = &state.inspector.history;
     ui.horizontal(|ui| {
-        for (icon, name, keys, able, command) in [
-            (ICON_UNDO, "Undo", "Undo the last change (Ctrl+Z)", history.can_undo(), Command::Undo),
-            (ICON_REDO, "Redo", "Redo what was undone (Ctrl+Y)", history.can_redo(), Command::Redo),
-        ] {
-            let button = ui.add_enabled_ui(able, |ui| icon_button(ui, icon, name, keys)).inner;
-            if button.clicked() {
-                commands.push(command);
-            }
-        }
+        undo_button_ui(ui, state, true, commands);
+        undo_button_ui(ui, state, false, commands);
         let help = "Two sets of settings to switch between: changes go to the one that is selected. The Compare view shows \
                     both at once.";
         for (slot, name) in [(SettingsSlot::A, "A"), (SettingsSlot::B, "B")] {

@@ -7,6 +7,8 @@ use super::picture_zoom::PictureZoom;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SourceLook {
     pub camera: usize,
+    /// The frame of the window in which a camera was chosen by hand; `None` before.
+    pub chosen_at: Option<u64>,
     pub overlay: Overlay,
     /// Sampling ratio against which camera.
     pub against: Option<usize>,

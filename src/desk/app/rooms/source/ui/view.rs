@@ -56,7 +56,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, Overlay::ALL) {
+    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, state.overlays()) {
         commands.push(Command::Source(SourceCommand::Overlay(overlay)));
     }
 }

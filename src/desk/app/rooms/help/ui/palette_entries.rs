@@ -1,0 +1,241 @@
+//! Everything there is to do, for the command palette.
+
+use crate::app::model::{Command, State};
+use crate::app::rooms::charts::model::{ChartCommand, Study};
+use crate::app::rooms::edits::model::{EditCommand, EditTool};
+use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
+use crate::app::rooms::frame::model::{DockView, WindowCommand};
+use crate::app::rooms::help::model::HelpPage;
+use crate::app::rooms::live::model::{HoleDisplay, ViewCommand};
+use crate::app::rooms::path::model::PathCommand;
+use crate::app::rooms::pixel::model::PixelCommand;
+use crate::app::rooms::readings::model::ReadingCommand;
+use crate::app::rooms::report::model::{Table, TableForm};
+use crate::app::rooms::settings::model::{PRESETS, SettingsCommand, setting_names};
+use crate::app::rooms::source::model::SourceCommand;
+use crate::app::rooms::timeline::model::TimeCommand;
+use overlook_engine::demo::SCENES;
+use overlook_engine::edits::Action;
+use overlook_engine::settings::{Settings, ValueKind};
+
+/// Something to do: its name, its keys, and the wish.
+pub(super) struct PaletteEntry {
+    pub name: String,
+    pub keys: &'static str,
+    pub command: Command,
+    /// Why it cannot be done now; `None` if it can.
+    pub why_not: Option<String>,
+}
+
+impl PaletteEntry {
+    pub(super) fn new(name: String, keys: &'static str, command: Command) -> Self {
+        Self { name, keys, command, why_not: None }
+    }
+}
+
+/// The keys that show a camera and view from it, of the first nine.
+const CAMERA_KEYS: [[&str; 2]; 9] = [
+    ["1", "Shift+1"],
+    ["2", "Shift+2"],
+    ["3", "Shift+3"],
+    ["4", "Shift+4"],
+    ["5", "Shift+5"],
+    ["6", "Shift+6"],
+    ["7", "Shift+7"],
+    ["8", "Shift+8"],
+    ["9", "Shift+9"],
+];
+
+/// All entries.
+pub(super) fn entries(state: &State) -> Vec<PaletteEntry> {
+    let view_entries = super::view_entries::view_entries(state).into_iter();
+    let mut entries: Vec<_> =
+        view_entries.map(|(name, keys, command)| PaletteEntry::new(name, keys, command)).collect();
+    // A store was made by thresholds that cannot be changed any more.
+    let turns = state.has_thresholds();
+    let mut add = |name: String, keys: &'static str, command: Command| {
+        entries.push(PaletteEntry::new(name, keys, command));
+    };
+    for (name, keys, command) in fixed_commands() {
+        let changes_thresholds = matches!(
+            command,
+            Command::Undo
+                | Command::Redo
+                | Command::Settings(SettingsCommand::ResetAll | SettingsCommand::Switch)
+        );
+        if turns || !changes_thresholds {
+            add(name.to_owned(), keys, command);
+        }
+    }
+    entries.push(PaletteEntry {
+        why_not: state.why_no_readings(),
+        ..PaletteEntry::new(
+            "Compare readings".to_owned(),
+            "",
+            Command::Reading(ReadingCommand::Compare(true)),
+        )
+    });
+    entries.extend(choices(state));
+    // Where no file dialog appears, or a path is at hand.
+    entries.extend(TYPED.map(|purpose| {
+        PaletteEntry::new(purpose.typed_entry().to_owned(), "", Command::File(FileCommand::TypePath(purpose)))
+    }));
+    entries.extend(settings(turns));
+    entries
+}
+
+/// What paths are typed for, beside the dialog of all ways out.
+const TYPED: [Purpose; 9] = [
+    Purpose::OpenFile,
+    Purpose::SaveSession,
+    Purpose::SaveSettings,
+    Purpose::LoadSettings,
+    Purpose::SaveEdits,
+    Purpose::LoadEdits,
+    Purpose::SavePath,
+    Purpose::LoadPath,
+    Purpose::OpenPictures,
+];
+
+/// Entries that are there whatever is open.
+fn fixed_commands() -> [(&'static str, &'static str, Command); 50] {
+    [
+        ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
+        ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
+        ("Save settings", "", Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
+        ("Load settings", "", Command::File(FileCommand::AskPath(Purpose::LoadSettings))),
+        ("Save edits", "", Command::File(FileCommand::AskPath(Purpose::SaveEdits))),
+        ("Copy as command line", "", Command::File(FileCommand::CopyCommandLine)),
+        ("Save session", "", Command::File(FileCommand::AskPath(Purpose::SaveSession))),
+        ("Open edits", "", Command::File(FileCommand::AskPath(Purpose::LoadEdits))),
+        ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
+        ("Edit: keep only the selection", "", Command::Edit(EditCommand::Act(Action::KeepOnly))),
+        ("Edit: select by rectangle", "R", Command::Edit(EditCommand::Tool(Some(EditTool::Rectangle)))),
+        ("Edit: select by lasso", "L", Command::Edit(EditCommand::Tool(Some(EditTool::Lasso)))),
+        ("Edit: select by brush", "B", Command::Edit(EditCommand::Tool(Some(EditTool::Brush)))),
+        ("Edit: select the same surface", "T", Command::Edit(EditCommand::Tool(Some(EditTool::Surface)))),
+        ("Edit: mask pixels of a camera", "Shift+B", Command::Edit(EditCommand::Tool(Some(EditTool::Mask)))),
+        ("Edit: grow the selection", "G", Command::Edit(EditCommand::Grow(true))),
+        ("Edit: shrink the selection", "Shift+G", Command::Edit(EditCommand::Grow(false))),
+        ("Edit: invert the selection", "Ctrl+I", Command::Edit(EditCommand::Invert)),
+        ("Edit: select nothing", "", Command::Edit(EditCommand::SelectNothing)),
+        (
+            "Save settings as a preset",
+            "",
+            Command::Settings(SettingsCommand::NamePreset(Some(String::new()))),
+        ),
+        ("Copy picture", "", Command::View(ViewCommand::CopyPicture)),
+        ("Copy explanation", "Ctrl+Shift+C", Command::Pixel(PixelCommand::CopyExplanation)),
+        ("Undo", "Ctrl+Z", Command::Undo),
+        ("Redo", "Ctrl+Y", Command::Redo),
+        ("Reset all settings", "", Command::Settings(SettingsCommand::ResetAll)),
+        ("Switch between settings A and B", "", Command::Settings(SettingsCommand::Switch)),
+        ("Play or pause", "Space", Command::Time(TimeCommand::TogglePlay)),
+        ("Reset view to start", "Home", Command::View(ViewCommand::Home)),
+        ("Back to the view before", "Alt+Left", Command::View(ViewCommand::Back)),
+        ("Forward to the next view", "Alt+Right", Command::View(ViewCommand::Forward)),
+        ("Center view on selected pixel", "F", Command::View(ViewCommand::FramePoint)),
+        ("Add key to the camera path", "K", Command::Path(PathCommand::AddKey)),
+        ("Camera path: turntable around the pivot", "", Command::Path(PathCommand::TurnAround)),
+        ("Recompute the whole capture", "", Command::Recompute),
+        ("Run a sweep", "", Command::Chart(ChartCommand::Ask(Some(Study::Sweep)))),
+        ("Run a stress test", "", Command::Chart(ChartCommand::Ask(Some(Study::Stress)))),
+        ("Frame times: write to the log and reset", "", Command::LogFrameTimes),
+        ("Cancel", "Esc", Command::Cancel),
+        ("Light theme", "", Command::Window(WindowCommand::Dark(false))),
+        ("Dark theme", "", Command::Window(WindowCommand::Dark(true))),
+        ("Reset layout", "", Command::Window(WindowCommand::ResetLayout)),
+        ("Guide", "", Command::Window(WindowCommand::Help(Some(HelpPage::Guide)))),
+        ("What opens", "", Command::Window(WindowCommand::Help(Some(HelpPage::Sources)))),
+        (
+            "Keyboard and mouse shortcuts",
+            "?",
+            Command::Window(WindowCommand::Help(Some(HelpPage::Shortcuts))),
+        ),
+        ("About Overlook and its version", "", Command::Window(WindowCommand::Help(Some(HelpPage::About)))),
+        ("Interface size: larger", "Ctrl++", Command::Window(WindowCommand::InterfaceSize(1))),
+        ("Interface size: smaller", "Ctrl+−", Command::Window(WindowCommand::InterfaceSize(-1))),
+        ("Interface size: normal", "Ctrl+0", Command::Window(WindowCommand::InterfaceSize(0))),
+        ("Forget recent files", "", Command::File(FileCommand::ForgetRecent)),
+        ("Close the introduction", "", Command::File(FileCommand::Introduced)),
+    ]
+}
+
+/// What is chosen among views, overlays, presets, tables, scenes, files and cameras.
+fn choices(state: &State) -> Vec<PaletteEntry> {
+    let mut entries = Vec::new();
+    let turns = state.has_thresholds();
+    let mut add = |name: String, keys: &'static str, command: Command| {
+        entries.push(PaletteEntry::new(name, keys, command));
+    };
+    for (view, name, _) in DockView::ALL.into_iter().filter(|(view, ..)| state.has_use_of(*view)) {
+        add(format!("Open view: {name}"), "", Command::Window(WindowCommand::OpenView(view)));
+    }
+    for (overlay, name, _) in state.overlays() {
+        add(format!("Source shows: {name}"), "", Command::Source(SourceCommand::Overlay(overlay)));
+    }
+    for (color_by, name, _) in state.live_colors() {
+        add(format!("Live view shows: {name}"), "", Command::View(ViewCommand::ColorBy(color_by)));
+    }
+    for (holes, name, _) in HoleDisplay::ALL {
+        add(format!("Holes: {name}"), "H", Command::View(ViewCommand::Holes(holes)));
+    }
+    for (index, (name, ..)) in PRESETS.iter().enumerate().filter(|_| turns) {
+        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::Preset(index)));
+    }
+    for (index, (name, _)) in state.inspector.presets.iter().enumerate().filter(|_| turns) {
+        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::OwnPreset(index)));
+    }
+    for path in &state.recent {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        add(
+            format!("Open recent: {name}"),
+            "",
+            Command::File(FileCommand::Open(Opening::Path(path.clone()))),
+        );
+    }
+    for (table, name, _) in Table::ALL {
+        for (form, form_name, _) in TableForm::ALL {
+            add(format!("Copy the {name} as {form_name}"), "", Command::CopyTable(table, form));
+        }
+    }
+    add("Demo: room, pruned".to_owned(), "", Command::File(FileCommand::Open(Opening::Room)));
+    for (name, _) in SCENES {
+        add(format!("Demo: {name}"), "", Command::File(FileCommand::Open(Opening::Demo((*name).to_owned()))));
+    }
+    for (index, camera) in state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
+        let [show, view] = CAMERA_KEYS.get(index).copied().unwrap_or_default();
+        add(format!("Show camera '{}'", camera.name), show, Command::Source(SourceCommand::Camera(index)));
+        add(format!("View from camera '{}'", camera.name), view, Command::View(ViewCommand::JumpTo(index)));
+    }
+    entries
+}
+
+/// Every setting, and every value that one of them can be given by name; `turns` where thresholds can be changed.
+fn settings(turns: bool) -> Vec<PaletteEntry> {
+    let mut entries = Vec::new();
+    let mut add = |name: String, keys: &'static str, command: Command| {
+        entries.push(PaletteEntry::new(name, keys, command));
+    };
+    for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
+        let setting = setting_names::name(field.path);
+        add(format!("Setting: {setting}"), "", Command::Settings(SettingsCommand::Find(field.path)));
+        let values: Vec<(String, toml::Value)> = match field.kind {
+            ValueKind::Choice(names) => names
+                .iter()
+                .map(|(value, _)| (setting_names::choice(field.path, value), (*value).into()))
+                .collect(),
+            ValueKind::Switch => vec![("on".to_owned(), true.into()), ("off".to_owned(), false.into())],
+            // Numbers are turned on their sliders.
+            ValueKind::Number { .. } | ValueKind::Integer { .. } => Vec::new(),
+        };
+        for (name, value) in values {
+            add(
+                format!("{setting}: {name}"),
+                "",
+                Command::Settings(SettingsCommand::Set { path: field.path, value }),
+            );
+        }
+    }
+    entries
+}
