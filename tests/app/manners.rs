@@ -267,6 +267,29 @@ fn a_camera_path_is_set_played_and_exported() {
 }
 
 #[test]
+fn a_turn_around_the_pivot_is_made_and_closed_and_its_keys_change_places() {
+    let mut window = open(small_demo(), SIZE);
+    settle(&mut window);
+    open_view(&mut window, "Camera path");
+    click(&mut window, "Turntable…");
+    click(&mut window, "Turn around the pivot");
+    settle(&mut window);
+    // Eight seconds at 24 pictures a second.
+    assert!(shows(&window, "192 pictures") && shows(&window, "Time stands still in the film"));
+    click(&mut window, "Loop");
+    assert!(shows(&window, "177 pictures"), "from the first of twelve keys to the last");
+    click(&mut window, "Key 1");
+    let first = window.state().observed().live_position.unwrap();
+    click(&mut window, "Move key 1 down");
+    click(&mut window, "Key 2");
+    assert_eq!(window.state().observed().live_position.unwrap(), first);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(3);
+    click(&mut window, "Key 1");
+    assert_eq!(window.state().observed().live_position.unwrap(), first);
+}
+
+#[test]
 fn keys_of_the_camera_path_are_dragged_on_the_time_bar() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);

@@ -230,9 +230,10 @@ impl OverlookApp {
         let next = picture
             + self.ctx.input(|input| input.unstable_dt).min(0.5) * self.state.timeline.frames_per_second;
         let pictures = path.pictures() as f32;
-        path.playing = match path.is_closed {
-            true => Some(next % pictures.max(1.0)),
-            false => (picture < pictures - 1.0).then_some(next),
+        path.playing = if path.is_closed {
+            Some(next % pictures.max(1.0))
+        } else {
+            (picture < pictures - 1.0).then_some(next)
         };
         self.go_to_key(key);
         self.ctx.request_repaint();

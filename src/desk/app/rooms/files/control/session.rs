@@ -65,7 +65,7 @@ impl OverlookApp {
             up_in_world: state.up_in_world(),
             view: self.view_address()?.to_string(),
             layout: self.dock.to_json(),
-            look: Some(SessionLook::of(state, scene)),
+            look: SessionLook::of(state, scene).to_table(),
             kept_views: (state.doc.kept_views.iter())
                 .map(|kept| (kept.name.clone(), kept.view.clone()))
                 .collect(),
@@ -80,7 +80,7 @@ impl OverlookApp {
         self.dock = Dock::from_json(&session.layout);
         self.state.look.workspace = self.dock.workspace();
         self.show_areas_that_fit();
-        if let Some(look) = &session.look {
+        if let Ok(Some(look)) = SessionLook::read(&session.look, &session.opens) {
             look.put(&mut self.state, scene);
         }
         let up = session.up_in_world;

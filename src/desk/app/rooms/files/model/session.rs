@@ -10,7 +10,6 @@ use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::settings::{Field, Settings};
 
-use super::session_look::SessionLook;
 use crate::address::ViewAddress;
 use crate::app::rooms::settings::model::setting_names::SettingPairs;
 use glam::DVec3;
@@ -39,8 +38,8 @@ pub(crate) struct Session {
     pub view: String,
     /// The arrangement of the views, as the window remembers it.
     pub layout: String,
-    /// How both views look; `None` in sessions that do not say it.
-    pub look: Option<SessionLook>,
+    /// How both views look, as [`super::SessionLook`] writes it; empty in sessions that do not say it.
+    pub look: toml::Table,
     /// The views that are kept: name and address.
     pub kept_views: Vec<(String, ViewAddress)>,
 }
@@ -67,8 +66,8 @@ struct SessionForm {
     path_looks_at: Option<[f64; 3]>,
     #[serde(default)]
     layout: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    look: Option<SessionLook>,
+    #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
+    look: toml::Table,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     kept_view: Vec<KeptViewForm>,
 }
@@ -142,9 +141,6 @@ impl Session {
                 form.version
             );
             return Err(invalid(what));
-        }
-        if form.look.as_ref().is_some_and(|look| !look.is_finite()) {
-            return Err(invalid("the look has a number that cannot be shown; write finite ones".to_owned()));
         }
         let folder = place.parent().unwrap_or(Path::new(""));
         let edits = if form.edits.is_empty() {
@@ -231,7 +227,7 @@ mod tests {
             up_in_world: DVec3::Z,
             view: "#view=1,2&frame=3".to_owned(),
             layout: "{}".to_owned(),
-            look: None,
+            look: toml::Table::from_iter([("overlay".to_owned(), "Depth".into())]),
             kept_views: vec![("the \"door\"".to_owned(), ViewAddress::read("camera=a&frame=3").unwrap())],
         }
     }

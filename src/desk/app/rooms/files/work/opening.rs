@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::app::model::{Message, OpenScene, SceneSource, median_depth};
-use crate::app::rooms::files::model::Session;
+use crate::app::rooms::files::model::{Session, SessionLook};
 use crate::app::work::requests::OpenRequest;
 use overlook_engine::capture::{Capture, Source, TruthView, transforms};
 use overlook_engine::demo::Demo;
@@ -54,6 +54,7 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
 /// Opens what a session names, with its settings.
 fn open_session(path: &Path, job: &Job) -> Result<OpenScene> {
     let session = Session::from_text(&whole_file::short_text(path)?, path)?;
+    SessionLook::read(&session.look, path)?;
     let scene = open_path(session.opens.clone(), &session.settings.capture, &[], job)?;
     Ok(OpenScene { session: Some(session), ..scene })
 }

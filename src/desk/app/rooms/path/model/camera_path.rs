@@ -95,7 +95,7 @@ impl CameraPath {
     /// Gives the way from a key to the next a length of its own, or that of the others.
     pub(crate) fn set_leg(&mut self, leg: usize, pictures: Option<f64>) {
         if let Some(key) = self.keys.get_mut(leg) {
-            key.pictures = pictures.map(within_leg);
+            key.pictures = pictures.map(within_leg).filter(|pictures| *pictures != self.pictures_per_leg);
         }
     }
 

@@ -258,8 +258,8 @@ mod tests {
     fn a_turn_around_the_pivot_is_closed_keeps_its_distance_and_looks_at_it() {
         let view = OrbitCamera::for_tests();
         let pivot = view.world_from_camera.transform_point3(DVec3::Z * view.pivot_distance);
-        let mut path = CameraPath::default();
-        path.turntable = Turntable { keys: 12, seconds: 6.0, passes_time: true };
+        let turntable = Turntable { keys: 12, seconds: 6.0, passes_time: true };
+        let mut path = CameraPath { turntable, ..CameraPath::default() };
         path.turn_around(&view, [0, 24], 24.0);
         assert_eq!((path.keys.len(), path.pictures(), path.is_closed), (12, 144, true));
         let radius = view.world_from_camera.translation.distance(pivot);

@@ -143,7 +143,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
 /// How long the film of the path is.
 pub(crate) fn length_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let mut seconds = state.doc.path.seconds(f64::from(state.timeline.frames_per_second));
-    let drag = DragValue::new(&mut seconds).range(0.1..=3600.0).speed(0.05).max_decimals(2).suffix(" s");
+    let drag = DragValue::new(&mut seconds).range(0.0..=1e7).speed(0.05).max_decimals(2).suffix(" s");
     let field = ui.add(drag.update_while_editing(false)).on_hover_text(LENGTH);
     if field.accessible_name("Length of the film").changed() {
         commands.push(Command::Path(PathCommand::Seconds(seconds)));

@@ -240,7 +240,7 @@ fn view_size_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
             ui.label(separator);
         }
         let mut percent = 100.0 * f64::from(before[0]) / f64::from(shown[0].max(1));
-        let drag = DragValue::new(&mut percent).range(1.0..=1600.0).max_decimals(0).suffix(" %");
+        let drag = DragValue::new(&mut percent).range(0.0..=1e6).max_decimals(0).suffix(" %");
         let field = ui.add(drag.update_while_editing(false)).on_hover_text("Of what is shown.");
         if field.accessible_name("Percent of what is shown").changed() {
             let side = |side: u32| (f64::from(side) * percent / 100.0).round() as u32;
