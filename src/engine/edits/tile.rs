@@ -45,6 +45,14 @@ impl<'a> Tile<'a> {
         self.held.samples().map(move |sample| (sample, depths.get(sample.index - first)))
     }
 
+    /// What marks say of all of its samples; `None` where they differ.
+    fn all_alike(&self, marks: &[bool]) -> Option<bool> {
+        let first = self.held.first as usize;
+        let own = &marks[first..first + self.held.count()];
+        let is_marked = own.first().copied()?;
+        own.iter().all(|mark| *mark == is_marked).then_some(is_marked)
+    }
+
     fn is_outside(&self, [low, high]: [DVec2; 2]) -> bool {
         self.pixels[1].cmplt(low).any() || self.pixels[0].cmpgt(high).any()
     }
@@ -99,7 +107,10 @@ impl RegionTest {
                 let place = tile.space.in_picture(lens, camera_from_world);
                 no_sample(place.is_off(area.bounds(), ROUNDED_PIXELS))
             }
-            Self::Marked(at) => no_sample(marks.get(*at).is_none_or(Option::is_none)),
+            Self::Marked(at) => match marks.get(*at).and_then(Option::as_ref) {
+                Some(marks) => tile.all_alike(marks),
+                None => Some(false),
+            },
             Self::Doubtful => no_sample(tile.image.doubtful_rows(tile.index).is_none()),
             Self::Contradicted
             | Self::ConfirmedByFewerThan(_)

@@ -4,15 +4,17 @@
 //! State ── Scheduler ──▶ requests ──▶ Workers (a thread each) ── Message ──▶ Outbox ──▶ window
 //! ```
 
+pub(crate) mod outbox;
 pub(crate) mod requests;
 pub(crate) mod scheduler;
 pub(crate) mod slot;
 pub(crate) mod worker;
 pub(crate) mod workers;
 
+pub(crate) use outbox::{Outbox, Unread};
 pub(crate) use requests::{
     Export, ExportRequest, FigureExport, FileRequest, OpenRequest, PathExport, StudyRequest,
 };
 pub(crate) use scheduler::Scheduler;
-pub(crate) use worker::{Outbox, Unread};
+
 pub(crate) use workers::Workers;

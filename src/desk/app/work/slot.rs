@@ -2,7 +2,8 @@
 
 use crate::app::model::{Message, State, WorkKind};
 use crate::app::rooms::frame::model::DockView;
-use crate::app::work::worker::{Outbox, Supersede, Worker};
+use crate::app::work::outbox::Outbox;
+use crate::app::work::worker::{Supersede, Worker};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 

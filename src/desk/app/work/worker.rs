@@ -9,11 +9,10 @@
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
+use super::outbox::Outbox;
 use crate::app::model::{Message, WorkKind};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::{Job, Progress};
@@ -63,57 +62,6 @@ impl<R> RequestSlot<R> {
     }
 }
 
-/// Where workers report to: the channel to the window, and the window's bell.
-#[derive(Clone)]
-pub(crate) struct Outbox {
-    sender: SyncSender<Message>,
-    ctx: egui::Context,
-    unread: Unread,
-}
-
-/// Messages that the window has not taken in. They count from before their worker rests, so that never both look idle in between.
-#[derive(Clone, Default)]
-pub(crate) struct Unread(Arc<AtomicUsize>);
-
-impl Unread {
-    pub(crate) fn is_none(&self) -> bool {
-        self.0.load(Ordering::SeqCst) == 0
-    }
-
-    /// One was taken in.
-    pub(crate) fn read_one(&self) {
-        self.0.fetch_sub(1, Ordering::SeqCst);
-    }
-
-    fn add_one(&self) {
-        self.0.fetch_add(1, Ordering::SeqCst);
-    }
-}
-
-impl Outbox {
-    /// An outbox that rings `ctx` after every message.
-    pub(crate) fn new(sender: SyncSender<Message>, ctx: egui::Context) -> Self {
-        Self { sender, ctx, unread: Unread::default() }
-    }
-
-    /// How many messages it sent that were not taken in.
-    pub(crate) fn unread(&self) -> Unread {
-        self.unread.clone()
-    }
-
-    /// Delivers a message; gives false once the window is gone.
-    pub(crate) fn send(&self, message: Message) -> bool {
-        self.unread.add_one();
-        self.deliver(message)
-    }
-
-    fn deliver(&self, message: Message) -> bool {
-        let delivered = self.sender.send(message).is_ok();
-        self.ctx.request_repaint();
-        delivered
-    }
-}
-
 /// A named thread that does one kind of work, one request at a time.
 pub(crate) struct Worker<R> {
     shared: Arc<RequestSlot<R>>,
@@ -146,7 +94,7 @@ impl<R: Send + 'static> Worker<R> {
             .spawn(move || {
                 while let Some((request, job)) = next(&inbox) {
                     let answer = run(kind, &mut work, request, &job);
-                    outbox.unread.add_one();
+                    outbox.announce();
                     inbox.lock().running = None;
                     if !outbox.deliver(answer) {
                         break;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::app::model::{Inspected, Message};
+use crate::app::work::outbox::Outbox;
 use crate::app::work::requests::PruneRequest;
-use crate::app::work::worker::Outbox;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess;

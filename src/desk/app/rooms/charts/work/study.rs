@@ -2,8 +2,8 @@
 
 use crate::app::model::Message;
 use crate::app::rooms::charts::model::{Study, to_measure};
+use crate::app::work::outbox::Outbox;
 use crate::app::work::requests::StudyRequest;
-use crate::app::work::worker::Outbox;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_lab::stress::{self, StressPoint};

@@ -1,5 +1,7 @@
 //! Drawing in a picture to select what it shows: rectangles, lassos, strokes of a brush, and clicks on surfaces.
 
+use std::sync::Arc;
+
 use egui::{
     Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, pos2,
 };
@@ -9,7 +11,8 @@ use half::f16;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::edits::model::{Combine, EditCommand, EditTool};
 use crate::app::theme::Tokens;
-use overlook_engine::edits::{self, Action, Outline, Region};
+use overlook_engine::capture::Camera;
+use overlook_engine::edits::{self, Action, Outline, Region, Viewpoint};
 
 /// Points of the pointer closer together than this are one corner of a lasso.
 const CORNER: f32 = 3.0;
@@ -30,6 +33,11 @@ pub(crate) struct PicturePlace {
 }
 
 impl PicturePlace {
+    /// A picture whose pixels are points.
+    pub(crate) fn filling(area: Rect) -> Self {
+        Self { corner: area.min, scale: 1.0, shown: area }
+    }
+
     fn pixel(&self, at: Pos2) -> [f64; 2] {
         let within = (at - self.corner) / self.scale;
         [f64::from(within.x), f64::from(within.y)]
@@ -205,43 +213,75 @@ fn stroke_shape(painter: &Painter, path: &[Pos2], radius: f32, color: Color32) {
     }
 }
 
+/// What is drawn in a region: an outline and strokes.
+type DrawnIn<'a> = (&'a Outline, &'a [edits::Stroke]);
+
 /// Shows what is drawn on the picture of a camera: of the selection, and by masks that act at the frame that is shown.
 pub(crate) fn drawn_areas(painter: &Painter, place: &PicturePlace, camera: &str, state: &State) {
     let painter = painter.with_clip_rect(place.shown);
     let mark = Tokens::of(state.dark).mark;
     let number = state.frame_number();
+    let drawn_here = |region: &Region| matches!(region, Region::Pixels { camera: of, .. } if of == camera);
     for edit in state.doc.edits.list.acting().filter(|edit| edit.action == Action::Delete) {
         let is_now =
             edit.frames.is_none_or(|[first, last]| number.is_some_and(|at| (first..=last).contains(&at)));
         if is_now && matches!(edit.region, Region::Pixels { frame: None, .. }) {
-            area_shapes(&painter, place, camera, &edit.region, Color32::from_black_alpha(150));
+            area_shapes(&painter, place, &drawn_here, &edit.region, Color32::from_black_alpha(150));
         }
     }
     if let Some(selection) = &state.doc.edits.selection {
-        area_shapes(&painter, place, camera, selection, mark.gamma_multiply(0.35));
+        area_shapes(&painter, place, &drawn_here, selection, mark.gamma_multiply(0.35));
     }
 }
 
-fn area_shapes(painter: &Painter, place: &PicturePlace, camera: &str, region: &Region, color: Color32) {
-    match region {
-        Region::Pixels { camera: of, outline, strokes, .. } if of == camera => {
-            let on_screen = |points: &[[f64; 2]]| -> Vec<Pos2> {
-                points.iter().map(|pixel| place.on_screen(*pixel)).collect()
-            };
-            if !outline.is_empty() {
-                painter.add(Shape::closed_line(on_screen(outline), Stroke::new(2.0, color.to_opaque())));
-            }
-            for stroke in strokes {
-                stroke_shape(painter, &on_screen(&stroke.points), stroke.radius as f32 * place.scale, color);
-            }
+/// Shows what was drawn in the live view from where it looks now, until the picture has the marks themselves.
+pub(crate) fn fresh_areas(painter: &Painter, place: &PicturePlace, seen: &Camera, state: &State) {
+    let Some(selection) = &state.doc.edits.selection else { return };
+    let shown = state.doc.live_shown.as_ref().map(|shown| &shown.key.samples);
+    let has_marks = |samples| state.edited_now().is_some_and(|edited| Arc::ptr_eq(&edited.shown, samples));
+    if shown.is_some_and(has_marks) {
+        return;
+    }
+    let from_here = Viewpoint::of(seen);
+    let drawn_here =
+        |region: &Region| matches!(region, Region::View { viewpoint, .. } if *viewpoint == from_here);
+    let color = Tokens::of(state.dark).mark.gamma_multiply(0.35);
+    area_shapes(&painter.with_clip_rect(place.shown), place, &drawn_here, selection, color);
+}
+
+/// Draws the areas of those parts of a region that are drawn in this picture.
+fn area_shapes(
+    painter: &Painter,
+    place: &PicturePlace,
+    is_drawn_here: &dyn Fn(&Region) -> bool,
+    region: &Region,
+    color: Color32,
+) {
+    let drawn: Option<DrawnIn<'_>> = match region {
+        Region::Pixels { outline, strokes, .. } | Region::View { outline, strokes, .. } => {
+            Some((outline, strokes))
         }
+        _ => None,
+    };
+    if let Some((outline, strokes)) = drawn.filter(|_| is_drawn_here(region)) {
+        let on_screen = |points: &[[f64; 2]]| -> Vec<Pos2> {
+            points.iter().map(|pixel| place.on_screen(*pixel)).collect()
+        };
+        if !outline.is_empty() {
+            painter.add(Shape::closed_line(on_screen(outline), Stroke::new(2.0, color.to_opaque())));
+        }
+        for stroke in strokes {
+            stroke_shape(painter, &on_screen(&stroke.points), stroke.radius as f32 * place.scale, color);
+        }
+    }
+    match region {
         Region::Any(parts) | Region::All(parts) | Region::Without(parts) => {
             for part in parts {
-                area_shapes(painter, place, camera, part, color);
+                area_shapes(painter, place, is_drawn_here, part, color);
             }
         }
         Region::Grow { region, .. } | Region::Shrink { region, .. } | Region::Not(region) => {
-            area_shapes(painter, place, camera, region, color);
+            area_shapes(painter, place, is_drawn_here, region, color);
         }
         _ => {}
     }

@@ -108,6 +108,9 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     let seen = state.doc.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
+    if let Some(seen) = state.seen_camera([canvas.width() as u32, canvas.height() as u32]) {
+        drawing::fresh_areas(&painter, &PicturePlace::filling(canvas), &seen, state);
+    }
     let draws = draw_ui(ui, &response, &painter, canvas, state, commands);
     if !cameras_overlay::menu(ui, &response, state, pointed_at, commands) {
         picture_menu_ui(&response, FigureOf::Live, state, commands);
@@ -144,7 +147,7 @@ fn draw_ui(
             color_under(state, canvas, at).map(drawing::color_region)
         }),
         Some(_) => {
-            let place = PicturePlace { corner: canvas.min, scale: 1.0, shown: canvas };
+            let place = PicturePlace::filling(canvas);
             drawing::select_drawn(ui, response, painter, &place, state, commands, |drawn| {
                 let vantage = state.seen_camera([canvas.width() as u32, canvas.height() as u32])?;
                 let Drawn { outline, strokes, .. } = drawn;
