@@ -274,9 +274,9 @@ mod tests {
     #[test]
     fn any_quantity_is_drawn_against_any_other_and_the_front_has_the_best_of_both() {
         let point = |ssim, seconds_preprocess, psnr_filled_db| Point {
+            psnr_filled_db,
             ssim,
             seconds_preprocess,
-            psnr_filled_db,
             ..Point::new(&Trial::new("t", Settings::default()), Series::Variation, &TrialResult::default())
         };
         let points = [point(0.9, 10.0, 20.0), point(0.8, 1.0, 20.0), point(0.7, 5.0, 20.0)];

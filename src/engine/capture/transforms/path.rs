@@ -265,7 +265,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("path.json");
         let views = [view(0.0, 3, true), view(1.0, 5, true)];
-        for easing in Easing::ALL {
+        for &easing in Easing::ALL {
             std::fs::write(&file, path_to_json(DVec3::Z, &views, easing).unwrap()).unwrap();
             assert_eq!(open_path(&file, false).unwrap().easing, easing);
         }
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn every_easing_leads_from_the_start_to_the_end_and_is_slow_where_it_says() {
-        for easing in Easing::ALL {
+        for &easing in Easing::ALL {
             assert_eq!([0.0, 1.0].map(|time| easing.way(time)), [0.0, 1.0]);
             let way: Vec<f64> = (0..=100).map(|step| easing.way(f64::from(step) / 100.0)).collect();
             assert!(way.windows(2).all(|pair| pair[1] > pair[0]), "{easing}");

@@ -88,7 +88,7 @@ fn open_path(
         truth = transforms::open_views_of(&views, capture.frames_are_ranked())?;
     }
     let scene = open_capture(SceneSource::Path(path), capture, truth, job)?;
-    Ok(OpenScene { manifest, is_reread, up_is_estimated, ..scene })
+    Ok(OpenScene { up_is_estimated, manifest, is_reread, ..scene })
 }
 
 fn open_capture(

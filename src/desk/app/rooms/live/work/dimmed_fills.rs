@@ -2,7 +2,7 @@
 //!
 //! Purpose: a fill beside a sample is a good guess, one in the middle of a large hole is none. The farther a filled pixel is from what
 //! cameras saw, the more it shows of a blurred, gray and darker copy of the fills around it. Pixels that a sample reached, and the sky, stay
-//! as they are. Sources: distances after G. Borgefors, 1986 (the 3-4 chamfer); the blur is a box of running sums (M. McDonnell, 1981). What
+//! as they are. Sources: distances after G. Borgefors, 1986 (the 3-4 chamfer); the blur is a box of running sums (M. J. `McDonnell`, 1981). What
 //! differs: only filled pixels are averaged, so that nothing of the picture bleeds into what is unknown.
 
 use egui::Color32;

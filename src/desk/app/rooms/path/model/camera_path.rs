@@ -80,10 +80,9 @@ impl CameraPath {
     pub(crate) fn set_seconds(&mut self, seconds: f64, rate: f64) {
         let Some(now) = self.starts().last().copied().filter(|now| *now > 0) else { return };
         let wanted = (seconds * rate).round() - f64::from(u8::from(!self.is_closed));
-        let scaled = |pictures: usize| within_leg(pictures as f64 * wanted / now as f64);
-        self.pictures_per_leg = scaled(self.pictures_per_leg);
-        for key in &mut self.keys {
-            key.pictures = key.pictures.map(scaled);
+        let own = self.keys.iter_mut().filter_map(|key| key.pictures.as_mut());
+        for pictures in own.chain([&mut self.pictures_per_leg]) {
+            *pictures = within_leg(*pictures as f64 * wanted / now as f64);
         }
     }
 
