@@ -224,6 +224,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     wait(&mut window, "the file", |window| told(window, "Saved"));
     let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
     assert_eq!(views.len(), 49, "as render --views takes them");
+    in_sight(&mut window, "Path file…");
     click(&mut window, "Path file…");
     click(&mut window, "Remove all keys");
     assert!(window.query_by_label("Key 1").is_none());
@@ -249,7 +250,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
 #[test]
 fn guides_frame_the_picture_lock_its_shape_and_measure_distances() {
     let mut window = explore();
-    in_sight(&mut window, "Measure a distance");
+    in_sight(&mut window, "Measure distance");
     let free = window.get_by_label("Live picture").rect();
     choose(&mut window, "Frame guide", "Camera");
     click(&mut window, "Ground grid");

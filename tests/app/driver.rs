@@ -282,6 +282,8 @@ pub(crate) fn share_to(window: &mut Window, path: &Path, action: &str) {
 /// Waits until what was shared is written, and closes the dialog.
 pub(crate) fn wait_for_shared(window: &mut Window) {
     wait(window, "what is shared", |window| shows(window, "Show in folder"));
+    // The dialog makes room for the outcome.
+    window.run_steps(3);
     click(window, "Close sharing");
 }
 

@@ -16,7 +16,7 @@ fn explore() -> Window {
     settle(&mut window);
     click(&mut window, "Workspace: Explore");
     click(&mut window, "Hide cameras");
-    window.get_by_label("Measure a distance").scroll_to_me();
+    window.get_by_label("Measure distance").scroll_to_me();
     window.run_steps(3);
     settle(&mut window);
     window

@@ -12,7 +12,8 @@ use egui::{Key, vec2};
 /// Clicks a button that copies a table, and gives the lines that it leaves on the clipboard.
 fn copied_table(window: &mut Window, name: &str) -> Vec<String> {
     window.get_all_by_label(&format!("Copy CSV of the {name}")).next().unwrap().click();
-    let text = copied(window).unwrap_or_else(|| panic!("{name}: nothing was copied"));
+    let text = copied(window)
+        .unwrap_or_else(|| panic!("{name}: nothing was copied; {:?}", window.state().observed().notices));
     assert!(shows(window, &format!("The {name} is on the clipboard as CSV.")), "{name}");
     text.lines().map(str::to_owned).collect()
 }

@@ -141,7 +141,8 @@ fn sheet_ui(ctx: &egui::Context, commands: &mut Commands, title: &str, contents:
         ui.add_space(space::SMALL);
         // The button stays in sight however low the window is.
         let height = ctx.content_rect().height() - AROUND_SHEET;
-        ScrollArea::vertical().max_height(height).auto_shrink([true, true]).show(ui, contents);
+        let scroll = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+        scroll.auto_shrink([true, true]).show(ui, contents);
         ui.add_space(space::MEDIUM);
         if ui.button("Close").accessible_name("Close help").clicked() {
             commands.push(Command::Window(WindowCommand::Help(None)));

@@ -1,7 +1,7 @@
 //! The camera path: what is done with it, above its keys.
 
 use egui::{Button, DragValue, ScrollArea, Ui};
-use egui_material_icons::icons::{ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW};
+use egui_material_icons::icons::{ICON_ASPECT_RATIO, ICON_MOVIE, ICON_PAUSE, ICON_PLAY_ARROW};
 
 use super::keys::keys_ui;
 use super::way::{turntable_ui, way_ui};
@@ -22,7 +22,7 @@ pub(crate) fn size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         ui.add(drag).on_hover_text(SIZE).accessible_name(name);
         ui.label(separator);
     }
-    ui.menu_button("Sizes", |ui| {
+    let menu = ui.menu_button(ICON_ASPECT_RATIO.rich_text(), |ui| {
         let offered = state.offered_sizes();
         for (nth, [width, height]) in offered.into_iter().enumerate() {
             let name = if nth == 0 { "Largest camera: " } else { "" };
@@ -34,6 +34,7 @@ pub(crate) fn size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         }
     });
+    menu.response.on_hover_text("Usual sizes").accessible_name("Sizes");
     if chosen != size {
         commands.push(Command::Path(PathCommand::PictureSize(chosen)));
     }
@@ -96,8 +97,8 @@ enum PathControls {
 }
 
 /// Widths from which on all controls fit into one row and into two.
-const ONE_ROW: f32 = 890.0;
-const TWO_ROWS: f32 = 480.0;
+const ONE_ROW: f32 = 1040.0;
+const TWO_ROWS: f32 = 600.0;
 
 fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
     let path = &state.doc.path;

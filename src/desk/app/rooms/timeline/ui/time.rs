@@ -16,6 +16,9 @@ use overlook_engine::preprocess::diagnostics::SpanReport;
 /// Room for the names of the rows.
 const NAMES: f32 = 128.0;
 
+/// Height of a line of names, points.
+const NAME: f32 = 14.0;
+
 pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let frames = state.frame_count();
@@ -46,10 +49,12 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Span map"));
     let map = SpanMap { painter: ui.painter_at(rect), left, step, most };
     let mut hovered = None;
-    for (row, (length, spans)) in levels.iter().enumerate() {
-        let top = rect.top() + row as f32 * height;
+    for (nth, (length, spans)) in levels.iter().enumerate() {
+        let top = rect.top() + nth as f32 * height;
         let row = Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + height));
-        map.name_ui(ui, row, response.id.with(length), *length, spans);
+        // Of rows that are lower than type, some have no name to read; pointing at them gives it.
+        let has_name = nth % (NAME / height).ceil() as usize == 0;
+        map.name_ui(ui, row, response.id.with(length), *length, spans, has_name);
         hovered = map.spans_ui(row, spans, response.hover_pos()).or(hovered);
     }
     let now = left + (state.timeline.frame as f32 + 0.5) * step;
@@ -80,12 +85,15 @@ struct SpanMap {
 
 impl SpanMap {
     /// The length of a row's spans, and how many samples they hold.
-    fn name_ui(&self, ui: &Ui, row: Rect, id: Id, length: usize, spans: &[&SpanReport]) {
+    fn name_ui(&self, ui: &Ui, row: Rect, id: Id, length: usize, spans: &[&SpanReport], is_shown: bool) {
         let total: u64 = spans.iter().map(|span| span.samples).sum();
         let name = counted(length, "frame");
         let words = format!("Samples stored for {name}: {}", model::count(total));
         ui.interact(row, id, Sense::hover())
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+        if !is_shown {
+            return;
+        }
         let text = format!("{name}  {}", model::count(total));
         let font = egui::TextStyle::Small.resolve(ui.style());
         let color = Tokens::in_ui(ui).text_weak;
