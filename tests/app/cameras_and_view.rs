@@ -224,6 +224,11 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     wait(&mut window, "the file", |window| told(window, "Saved"));
     let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
     assert_eq!(views.len(), 49, "as render --views takes them");
+    // Messages lie over the lower panel.
+    while !window.state().observed().notices.is_empty() {
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+    }
     in_sight(&mut window, "Path file…");
     click(&mut window, "Path file…");
     click(&mut window, "Remove all keys");

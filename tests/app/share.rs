@@ -184,7 +184,7 @@ fn a_figure_shows_the_comparison_as_it_is_compared() {
         settle(&mut window);
         open_share(&mut window, "Figure");
         choose(&mut window, "Figure of", "Comparison");
-        let path = folder.path().join("compared.svg");
+        let path = folder.path().join(format!("{mode} {}.svg", measure.unwrap_or_default()));
         share_to(&mut window, &path, "Export");
         wait_for_shared(&mut window);
         std::fs::read_to_string(path).unwrap()

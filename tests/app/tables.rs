@@ -12,9 +12,11 @@ use egui::{Key, vec2};
 /// Clicks a button that copies a table, and gives the lines that it leaves on the clipboard.
 fn copied_table(window: &mut Window, name: &str) -> Vec<String> {
     window.get_all_by_label(&format!("Copy CSV of the {name}")).next().unwrap().click();
-    let text = copied(window)
-        .unwrap_or_else(|| panic!("{name}: nothing was copied; {:?}", window.state().observed().notices));
+    let text = copied(window).unwrap_or_else(|| panic!("{name}: nothing was copied"));
     assert!(shows(window, &format!("The {name} is on the clipboard as CSV.")), "{name}");
+    // The message lies over the lower panel.
+    window.key_press(Key::Escape);
+    window.run_steps(2);
     text.lines().map(str::to_owned).collect()
 }
 

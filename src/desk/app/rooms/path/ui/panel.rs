@@ -79,11 +79,17 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         _ => &[&[PathControls::Keys], &[PathControls::Pace], &[PathControls::Size], &[PathControls::File]],
     };
     for row in rows {
-        ui.horizontal_wrapped(|ui| {
+        let parts_ui = |ui: &mut Ui| {
             for part in *row {
                 part_ui(ui, state, *part, commands);
             }
-        });
+        };
+        // Buttons of menus do not wrap: they would lie over what is before them.
+        if row.iter().any(|part| matches!(part, PathControls::Size | PathControls::File)) {
+            ui.horizontal(parts_ui);
+        } else {
+            ui.horizontal_wrapped(parts_ui);
+        }
     }
 }
 
