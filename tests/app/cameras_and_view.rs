@@ -142,12 +142,12 @@ fn a_pyramid_is_clicked_to_choose_its_camera_and_double_clicked_to_view_from_it(
     let place = canvas.min + canvas.size() * at;
     click_at(&mut window, place, 1);
     assert_eq!(window.state().observed().source_camera, camera);
+    assert_eq!(window.state().observed().probed_pixel, None, "the picture behind was not clicked");
     // No view shows its picture here, so that the list of cameras does.
     assert!(window.state().observed().views_in_sight.contains(&"View"));
     window.hover_at(place);
     window.run_steps(6);
     assert!(shows(&window, "Click: choose it"));
-    assert_eq!(window.state().observed().probed_pixel, None, "the picture behind was not clicked");
     let away = position(&window);
     std::thread::sleep(std::time::Duration::from_millis(600));
     window.run_steps(3);
@@ -241,6 +241,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
         window.key_press(Key::Escape);
         window.run_steps(2);
     }
+    in_sight(&mut window, "Key 2");
     click(&mut window, "Key 2");
     settle(&mut window);
     let apart: f64 = position(&window).iter().zip(there).map(|(a, b)| (a - b).abs()).sum();
