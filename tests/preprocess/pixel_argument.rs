@@ -138,7 +138,7 @@ fn who_is_kept_though_a_better_sample_is_in_the_table_is_kept_because_that_one_d
                 assert_eq!(argument.verdict.rule, Rule::Coverage, "{argument:?}");
             } else if denser && argument.verdict.rule == Rule::BestRate {
                 denser_beside += 1;
-                assert!(argument.verdict.rule.sentence().contains("clean"), "{argument:?}");
+                assert!(argument.verdict.rule.sentence().contains("reliable"), "{argument:?}");
             }
         }
     }
