@@ -62,12 +62,12 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     commands.extend(ctx.input(|input| input.events.iter().filter_map(number_key).collect::<Vec<_>>()));
     commands.extend(ctx.input(|input| input.events.iter().filter_map(clipboard).collect::<Vec<_>>()));
     let is_focused = ctx.egui_wants_keyboard_input();
-    let keys = [axis_keys(), time_keys(state), edit_keys(state), other_keys(state)].concat();
+    let keys = [axis_keys(), time_keys(state), edit_keys(state), other_keys(state)].into_iter().flatten();
+    let free = keys.filter(|(modifiers, key, _)| !(is_focused && is_for_focused_button(*modifiers, *key)));
     ctx.input_mut(|input| {
         // With fewer modifiers a key is consumed whatever else is held: those with more go first.
-        let free = keys.into_iter().filter(|(keys, _)| !(is_focused && is_for_focused_button(*keys)));
-        let pressed = free.filter(|((modifiers, key), _)| input.consume_key(*modifiers, *key));
-        commands.extend(pressed.map(|(_, command)| command));
+        let pressed = free.filter(|(modifiers, key, _)| input.consume_key(*modifiers, *key));
+        commands.extend(pressed.map(|(.., command)| command));
     });
     if is_focused {
         return;
@@ -78,11 +78,11 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// A key with what is held, and what it does.
-type Bound = ((Modifiers, Key), Command);
+/// What is held, a key, and what it does.
+type Bound = (Modifiers, Key, Command);
 
-/// Whether keys belong to a button or a slider while it has the focus: letters, arrows and those that press it, by themselves.
-fn is_for_focused_button((modifiers, key): (Modifiers, Key)) -> bool {
+/// Whether a key belongs to a button or a slider while it has the focus: a letter, an arrow or what presses it, by itself.
+fn is_for_focused_button(modifiers: Modifiers, key: Key) -> bool {
     let name = key.name();
     let is_letter = name.len() == 1 && name.starts_with(|letter: char| letter.is_ascii_alphabetic());
     let presses = matches!(key, Key::Space | Key::Enter | Key::Tab);
@@ -95,8 +95,8 @@ fn other_keys(state: &State) -> Vec<Bound> {
     let page = state.inspector.help.is_none().then_some(HelpPage::Shortcuts);
     let help = Command::Window(WindowCommand::Help(page));
     let mut keys = vec![
-        ((Modifiers::SHIFT, Key::Space), Command::Window(WindowCommand::Maximize(None))),
-        ((Modifiers::SHIFT, Key::Questionmark), help.clone()),
+        (Modifiers::SHIFT, Key::Space, Command::Window(WindowCommand::Maximize(None))),
+        (Modifiers::SHIFT, Key::Questionmark, help.clone()),
     ];
     let plain = [
         (Key::Space, Command::Time(TimeCommand::TogglePlay)),
@@ -112,7 +112,7 @@ fn other_keys(state: &State) -> Vec<Bound> {
         (Key::Home, Command::View(ViewCommand::Home)),
         (Key::Questionmark, help),
     ];
-    keys.extend(plain.into_iter().map(|(key, command)| ((Modifiers::NONE, key), command)));
+    keys.extend(plain.map(|(key, command)| (Modifiers::NONE, key, command)));
     keys
 }
 
@@ -176,7 +176,7 @@ fn time_keys(state: &State) -> Vec<Bound> {
     let here = timeline.frame;
     let range =
         |first, end| Command::Time(TimeCommand::LoopRange(Some(timeline.range_from(first, end, frames))));
-    let keys = [
+    vec![
         (Modifiers::COMMAND, Key::Home, Command::Time(TimeCommand::Frame(0))),
         (Modifiers::COMMAND, Key::End, Command::Time(TimeCommand::Frame(last))),
         (Modifiers::SHIFT, Key::M, Command::Time(TimeCommand::ToggleMarker)),
@@ -189,8 +189,7 @@ fn time_keys(state: &State) -> Vec<Bound> {
         (Modifiers::SHIFT, Key::I, Command::Time(TimeCommand::LoopRange(None))),
         (Modifiers::NONE, Key::I, range(Some(here), None)),
         (Modifiers::NONE, Key::O, range(None, Some(here))),
-    ];
-    keys.into_iter().map(|(modifiers, key, command)| ((modifiers, key), command)).collect()
+    ]
 }
 
 /// Keys that select and delete. While there is a brush, brackets change it.
@@ -213,7 +212,7 @@ fn edit_keys(state: &State) -> Vec<Bound> {
         keys.push((Modifiers::NONE, Key::OpenBracket, EditCommand::Radius(edits.radius / WIDER)));
         keys.push((Modifiers::NONE, Key::CloseBracket, EditCommand::Radius(edits.radius * WIDER)));
     }
-    keys.into_iter().map(|(modifiers, key, command)| ((modifiers, key), Command::Edit(command))).collect()
+    keys.into_iter().map(|(modifiers, key, command)| (modifiers, key, Command::Edit(command))).collect()
 }
 
 /// Keys that view the scene along an axis. egui does not distinguish digits of the number pad from those above the
@@ -222,7 +221,7 @@ fn axis_keys() -> Vec<Bound> {
     let mut keys = Vec::new();
     for (key, axis) in [(Key::X, DVec3::X), (Key::Y, DVec3::Y), (Key::Z, DVec3::Z)] {
         for (modifiers, direction) in [(Modifiers::ALT | Modifiers::SHIFT, axis), (Modifiers::ALT, -axis)] {
-            keys.push(((modifiers, key), Command::View(ViewCommand::LookAlong(direction))));
+            keys.push((modifiers, key, Command::View(ViewCommand::LookAlong(direction))));
         }
     }
     keys

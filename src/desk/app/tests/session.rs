@@ -41,6 +41,16 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
     )
 }
 
+/// A capture with a setting and an edit of its own.
+fn open_pruned_otherwise_and_cut(app: &mut OverlookApp) {
+    open(app, &edits::small_capture(), true);
+    let mut settings = app.state.settings.clone();
+    settings.pruning.depth_tolerance = 2.0;
+    app.change_settings(settings);
+    settle(app);
+    delete(app, Region::ConfirmedByFewerThan(1));
+}
+
 #[test]
 fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_same_store() {
     let folder = tempfile::tempdir().unwrap();
@@ -53,12 +63,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
         "{:?}",
         app.notices()
     );
-    open(&mut app, &edits::small_capture(), true);
-    let mut settings = app.state.settings.clone();
-    settings.pruning.depth_tolerance = 2.0;
-    app.change_settings(settings);
-    settle(&mut app);
-    delete(&mut app, Region::ConfirmedByFewerThan(1));
+    open_pruned_otherwise_and_cut(&mut app);
     for (frame, angle) in [(0, 0.1), (2, -0.2)] {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(angle, 0.05))));
@@ -124,12 +129,7 @@ fn the_command_that_prunes_the_same_is_copied_and_what_has_none_says_so() {
     let mut app = ready(2, 1);
     app.apply(Command::File(FileCommand::CopyCommandLine));
     assert!(copied(&app).is_none() && app.notices()[0].starts_with("No session to save"));
-    open(&mut app, &edits::small_capture(), true);
-    let mut settings = app.state.settings.clone();
-    settings.pruning.depth_tolerance = 2.0;
-    app.change_settings(settings);
-    settle(&mut app);
-    delete(&mut app, Region::ConfirmedByFewerThan(1));
+    open_pruned_otherwise_and_cut(&mut app);
     app.state.notices.clear();
     app.apply(Command::File(FileCommand::CopyCommandLine));
     let line = copied(&app).unwrap();

@@ -213,9 +213,6 @@ fn stroke_shape(painter: &Painter, path: &[Pos2], radius: f32, color: Color32) {
     }
 }
 
-/// What is drawn in a region: an outline and strokes.
-type DrawnIn<'a> = (&'a Outline, &'a [edits::Stroke]);
-
 /// Shows what is drawn on the picture of a camera: of the selection, and by masks that act at the frame that is shown.
 pub(crate) fn drawn_areas(painter: &Painter, place: &PicturePlace, camera: &str, state: &State) {
     let painter = painter.with_clip_rect(place.shown);
@@ -257,24 +254,20 @@ fn area_shapes(
     region: &Region,
     color: Color32,
 ) {
-    let drawn: Option<DrawnIn<'_>> = match region {
-        Region::Pixels { outline, strokes, .. } | Region::View { outline, strokes, .. } => {
-            Some((outline, strokes))
-        }
-        _ => None,
-    };
-    if let Some((outline, strokes)) = drawn.filter(|_| is_drawn_here(region)) {
-        let on_screen = |points: &[[f64; 2]]| -> Vec<Pos2> {
-            points.iter().map(|pixel| place.on_screen(*pixel)).collect()
-        };
-        if !outline.is_empty() {
-            painter.add(Shape::closed_line(on_screen(outline), Stroke::new(2.0, color.to_opaque())));
-        }
-        for stroke in strokes {
-            stroke_shape(painter, &on_screen(&stroke.points), stroke.radius as f32 * place.scale, color);
-        }
-    }
     match region {
+        Region::Pixels { outline, strokes, .. } | Region::View { outline, strokes, .. }
+            if is_drawn_here(region) =>
+        {
+            let on_screen = |points: &[[f64; 2]]| -> Vec<Pos2> {
+                points.iter().map(|pixel| place.on_screen(*pixel)).collect()
+            };
+            if !outline.is_empty() {
+                painter.add(Shape::closed_line(on_screen(outline), Stroke::new(2.0, color.to_opaque())));
+            }
+            for stroke in strokes {
+                stroke_shape(painter, &on_screen(&stroke.points), stroke.radius as f32 * place.scale, color);
+            }
+        }
         Region::Any(parts) | Region::All(parts) | Region::Without(parts) => {
             for part in parts {
                 area_shapes(painter, place, is_drawn_here, part, color);
