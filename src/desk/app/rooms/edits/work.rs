@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::model::{EditKey, EditedScene, SelectionPlace};
@@ -151,15 +151,29 @@ fn joined((count, mean, squares): Spread, (more, of_more, of_their_squares): Spr
 fn place_of_selection(shown: &SampleSet, samples: &SampleSet) -> Option<SelectionPlace> {
     let of_image = |(shown, own): (&Arc<SampleImage>, &Arc<SampleImage>)| {
         let none = (0.0, DVec3::ZERO, 0.0);
-        // Images without any are shared.
+        // Images without any are shared, and of others only tiles with some are placed: every selection waits for this.
         if Arc::ptr_eq(shown, own) {
             return none;
         }
-        let selected = own.placed(&samples.cameras[own.camera as usize]).filter(|placed| {
-            let index = placed.sample.index;
-            shown.color.get(index) != own.color.get(index)
-        });
-        selected.fold(none, |known, placed| joined(known, (1.0, placed.point_in_world, 0.0)))
+        let camera = &samples.cameras[own.camera as usize];
+        let is_selected = |index: usize| shown.color.get(index) != own.color.get(index);
+        let mut known = none;
+        for (nth, tile) in own.tiles.iter().enumerate() {
+            let (first, count) = (tile.first as usize, tile.count());
+            if !(first..first + count).any(is_selected) {
+                continue;
+            }
+            let depths = own.depth.tile(nth, tile.first, count);
+            for sample in tile.samples().filter(|sample| is_selected(sample.index)) {
+                let inverse_depth = depths.get(sample.index - first);
+                if inverse_depth > 0.0 {
+                    let center = DVec2::new(sample.x as f64 + 0.5, sample.y as f64 + 0.5);
+                    let point = camera.unproject(center, 1.0 / f64::from(inverse_depth));
+                    known = joined(known, (1.0, point, 0.0));
+                }
+            }
+        }
+        known
     };
     let of_images: Vec<Spread> = shown.images.par_iter().zip(&samples.images).map(of_image).collect();
     let (count, mean, squares) = of_images.into_iter().fold((0.0, DVec3::ZERO, 0.0), joined);
