@@ -5,6 +5,7 @@
 //! 2002) on luminance.
 
 use super::value_look::ValueLook;
+use overlook_engine::render::Picture;
 
 /// How linear values become displayed ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -96,6 +97,12 @@ impl Display {
     /// Whether color is shown as recorded.
     pub(crate) fn is_neutral(&self) -> bool {
         *self == Self { gamma: self.gamma, values: self.values, ..Self::default() }
+    }
+
+    /// Whether a pixel is left out of what is written: the background, or nothing at all, where the background is transparent.
+    pub(crate) fn leaves_out(&self, rendered: &Picture, at: (usize, usize)) -> bool {
+        let is_empty = rendered.inverse_depth[at] == 0.0 || !rendered.shows(at);
+        is_empty && self.background == Background::Transparent
     }
 }
 

@@ -95,7 +95,8 @@ impl Session {
         let path = if self.path.is_empty() {
             String::new()
         } else {
-            path_to_json(self.up_in_world, &self.path, self.path_easing)?
+            // The session says how the path is eased, also of one without pictures.
+            path_to_json(self.up_in_world, &self.path, Easing::Linear)?
         };
         let form = SessionForm {
             version: VERSION,

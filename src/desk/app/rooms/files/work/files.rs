@@ -7,7 +7,7 @@ use image::{ImageFormat, RgbaImage};
 
 use crate::address;
 use crate::app::model::Message;
-use crate::app::rooms::colors::model::{Background, Display};
+use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::files::model::{Destination, Purpose, SESSION_ENDING};
 use crate::app::rooms::files::work::other_pictures;
 use crate::app::rooms::report::model::TableForm;
@@ -47,17 +47,11 @@ pub(crate) fn save_picture(
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ENDINGS[1])) {
         return write_exr(path, rendered);
     }
-    let is_transparent = display.background == Background::Transparent;
     let width = rendered.color.width();
-    let alpha = |index: usize| {
-        let at = (index % width, index / width);
-        let is_sky = rendered.inverse_depth[at] == 0.0;
-        if is_transparent && (is_sky || !rendered.shows(at)) { 0 } else { u8::MAX }
-    };
     let pixels = picture.pixels.iter().enumerate();
-    let bytes = pixels.flat_map(|(index, pixel)| match alpha(index) {
-        0 => [0; 4],
-        alpha => [pixel.r(), pixel.g(), pixel.b(), alpha],
+    let bytes = pixels.flat_map(|(index, pixel)| {
+        let is_left_out = display.leaves_out(rendered, (index % width, index / width));
+        if is_left_out { [0; 4] } else { [pixel.r(), pixel.g(), pixel.b(), u8::MAX] }
     });
     write_rgba(path, picture.size, bytes.collect())
 }

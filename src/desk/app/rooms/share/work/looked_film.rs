@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::app::rooms::colors::model::Background;
 use crate::app::rooms::live::model::{LiveKey, PixelSource};
 use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::live::work::shown_samples::CameraFilter;
@@ -76,13 +75,11 @@ fn inspection_at(
 
 /// A picture as the live view displays it, with alpha 0 where a transparent background shows.
 fn displayed(key: &LiveKey, image: &egui::ColorImage, rendered: &Picture) -> Picture {
-    let is_transparent = key.display.background == Background::Transparent;
     let mut picture = Picture { coverage: Vec::new(), ..rendered.clone() };
     let width = picture.color.width();
     for (index, pixel) in image.pixels.iter().enumerate() {
         let at = (index % width, index / width);
-        let is_empty = picture.inverse_depth[at] == 0.0 || !picture.shows(at);
-        if is_transparent && is_empty {
+        if key.display.leaves_out(rendered, at) {
             (picture.inverse_depth[at], picture.image[at]) = (-1.0, NO_IMAGE);
             picture.color[at] = [0.0; 3];
             continue;
