@@ -54,25 +54,29 @@ impl PixelBox {
 
     /// Where it may be in a picture.
     pub(crate) fn in_picture(&self, lens: &Intrinsics, camera_from_world: &DAffine3) -> BoxInPicture {
-        let corners = self.corners_in(camera_from_world);
-        if corners.iter().all(|(point, _)| point.z <= 0.0) {
-            return BoxInPicture::Nowhere;
-        }
-        let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for (point, w) in corners {
-            let divisor = if lens.is_orthographic() { w } else { point.z };
-            let position =
-                DVec2::new(lens.cx + lens.fx * point.x / divisor, lens.cy + lens.fy * point.y / divisor);
-            if point.z <= 0.0 || divisor <= 0.0 || !position.is_finite() {
-                return BoxInPicture::Anywhere;
-            }
-            (least, most) = (least.min(position), most.max(position));
-        }
-        BoxInPicture::Between([least, most])
+        BoxInPicture::of(&self.corners_in(camera_from_world), lens)
     }
 }
 
 impl BoxInPicture {
+    /// Of the hull of eight points in the camera's space, each with its inverse depth in its own camera.
+    pub(crate) fn of(corners: &[(DVec3, f64); 8], lens: &Intrinsics) -> Self {
+        if corners.iter().all(|(point, _)| point.z <= 0.0) {
+            return Self::Nowhere;
+        }
+        let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for (point, w) in corners {
+            let divisor = if lens.is_orthographic() { *w } else { point.z };
+            let position =
+                DVec2::new(lens.cx + lens.fx * point.x / divisor, lens.cy + lens.fy * point.y / divisor);
+            if point.z <= 0.0 || divisor <= 0.0 || !position.is_finite() {
+                return Self::Anywhere;
+            }
+            (least, most) = (least.min(position), most.max(position));
+        }
+        Self::Between([least, most])
+    }
+
     /// Whether nothing of it is within `margin` pixels of what lies between two image positions.
     pub(crate) fn is_off(self, [low, high]: [DVec2; 2], margin: f64) -> bool {
         match self {

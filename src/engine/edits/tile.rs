@@ -2,7 +2,7 @@
 //!
 //! Source: none; it is interval arithmetic over the sets that a region combines. Whatever a tile as a whole does not decide, its samples do.
 
-use glam::DVec2;
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::evidence::Evidence;
 use super::region_test::RegionTest;
@@ -63,6 +63,14 @@ fn exceeds(a: f64, b: f64) -> bool {
     a - b > ROUNDED * (a.abs() + b.abs())
 }
 
+/// Whether some side of a box around the origin has all of a hull beyond it.
+fn is_beside(corners: &[(DVec3, f64); 8], half_size: DVec3) -> bool {
+    let is_beyond = |axis: usize, side: f64| {
+        corners.iter().all(|(point, w)| exceeds(side * point[axis], half_size[axis] * w))
+    };
+    (0..3).any(|axis| is_beyond(axis, 1.0) || is_beyond(axis, -1.0))
+}
+
 impl RegionTest {
     /// What holds for all samples of a tile; `None` where they have to be asked. `marks` are those of its image.
     pub(super) fn of_tile(&self, tile: &Tile<'_>, marks: &[ImageMarks]) -> Option<bool> {
@@ -70,25 +78,14 @@ impl RegionTest {
         match self {
             Self::Constant(value) => Some(*value),
             Self::Box { box_from_world, half_size } => {
-                let corners = tile.space.corners_in(box_from_world);
-                no_sample((0..3).any(|axis| {
-                    let beyond = |side: f64| {
-                        corners.iter().all(|(point, w)| exceeds(side * point[axis], half_size[axis] * w))
-                    };
-                    beyond(1.0) || beyond(-1.0)
-                }))
+                no_sample(is_beside(&tile.space.corners_in(box_from_world), *half_size))
             }
             Self::Sphere { center, radius_squared } => {
-                let radius = radius_squared.sqrt();
-                let corners = tile.space.corners_in(&glam::DAffine3::from_translation(-*center));
-                no_sample((0..3).any(|axis| {
-                    let beyond =
-                        |side: f64| corners.iter().all(|(point, w)| exceeds(side * point[axis], radius * w));
-                    beyond(1.0) || beyond(-1.0)
-                }))
+                let corners = tile.space.corners_in(&DAffine3::from_translation(-*center));
+                no_sample(is_beside(&corners, DVec3::splat(radius_squared.sqrt())))
             }
             Self::HalfSpace { point, normal } => {
-                let corners = tile.space.corners_in(&glam::DAffine3::from_translation(-*point));
+                let corners = tile.space.corners_in(&DAffine3::from_translation(-*point));
                 let is_all = |side: f64| {
                     corners
                         .iter()
@@ -167,7 +164,6 @@ fn combined(parts: &[RegionTest], tile: &Tile<'_>, marks: &[ImageMarks], decisiv
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
     use half::f16;
     use proptest::prelude::*;
 

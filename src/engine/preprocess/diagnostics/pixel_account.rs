@@ -27,6 +27,25 @@ pub struct PixelAccount {
 }
 
 impl PixelAccount {
+    /// What became of the pixels of one frame, by the rule that decided each. Nothing repeats in it, and what is cut by hand before pruning has
+    /// no depth there.
+    #[must_use]
+    pub fn of_frame(rules: impl Iterator<Item = Rule>) -> Self {
+        let mut account = Self::default();
+        for rule in rules {
+            account.pixels += 1;
+            let part = match rule {
+                Rule::NoSample => &mut account.without_depth,
+                Rule::MixedYields | Rule::MixedDropped => &mut account.mixed,
+                Rule::Contradicted => &mut account.contradicted,
+                rule if rule.keeps() => &mut account.kept,
+                _ => &mut account.redundant,
+            };
+            *part += 1;
+        }
+        account
+    }
+
     /// What is not kept, whatever the reason.
     #[must_use]
     pub fn not_kept(&self) -> u64 {

@@ -12,7 +12,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::image_chunk::BlockEntry;
-use crate::capture::{Camera, PixelBox, any_orthographic};
+use crate::capture::{BoxInPicture, Camera, PixelBox, any_orthographic};
 use crate::store::codec::BLOCK;
 
 /// Pixels by which the footprints of samples reach beyond their block: twice what renderers stretch them to, and a pixel for rounding.
@@ -57,6 +57,17 @@ impl VisibleBlocks {
         }
     }
 
+    /// Adds the blocks that a box of another camera is projected to.
+    fn add_place(&mut self, place: BoxInPicture) {
+        match place {
+            BoxInPicture::Nowhere => {}
+            BoxInPicture::Between([low, high]) => {
+                self.add((low - PICTURE_REACH).to_array(), (high + PICTURE_REACH).to_array());
+            }
+            BoxInPicture::Anywhere => self.add_all(),
+        }
+    }
+
     fn add_all(&mut self) {
         self.is_visible.fill(true);
     }
@@ -68,7 +79,7 @@ fn box_of(block: &BlockEntry, camera: &Camera) -> PixelBox {
     PixelBox::new(camera, [low, low + BLOCK as f64 + 2.0 * SOURCE_REACH], block.inverse_depth)
 }
 
-/// A camera prepared for projecting many points.
+/// The vantage, prepared for many boxes.
 struct Eye {
     camera_from_world: DAffine3,
     focal: [f64; 2],
@@ -87,13 +98,8 @@ impl Eye {
         }
     }
 
-    /// The corners of a box in the camera's space, as far as their distance goes.
-    fn corners(&self, of: &PixelBox) -> [DVec3; 8] {
-        of.corners_in(&self.camera_from_world).map(|(point, _)| point)
-    }
-
-    /// Whether the hull of some points may be in the picture.
-    fn may_see(&self, points: &[DVec3; 8]) -> bool {
+    /// Whether a box may be in the picture.
+    fn may_see(&self, held: &PixelBox) -> bool {
         let planes = |point: &DVec3| {
             let across = |axis: usize| self.focal[axis] * point[axis];
             let low = |axis: usize| across(axis) + (self.center[axis] + PICTURE_REACH) * point.z;
@@ -101,31 +107,9 @@ impl Eye {
                 |axis: usize| (self.size[axis] + PICTURE_REACH - self.center[axis]) * point.z - across(axis);
             [point.z, low(0), high(0), low(1), high(1)]
         };
-        let distances = points.map(|point| planes(&point));
+        let distances = held.corners_in(&self.camera_from_world).map(|(point, _)| planes(&point));
         // Written so that what is not a number is seen.
         (0..5).all(|plane| !distances.iter().all(|distance| distance[plane] < 0.0))
-    }
-
-    /// Adds the blocks that the hull of some points is projected to.
-    fn add_projection(&self, points: &[DVec3; 8], visible: &mut VisibleBlocks) {
-        if points.iter().all(|point| point.z <= 0.0) {
-            return;
-        }
-        if !points.iter().all(|point| point.z > 0.0) {
-            return visible.add_all();
-        }
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in points {
-            for axis in 0..2 {
-                let pixel = self.center[axis] + self.focal[axis] * point[axis] / point.z;
-                if pixel.is_nan() {
-                    return visible.add_all();
-                }
-                low[axis] = low[axis].min(pixel);
-                high[axis] = high[axis].max(pixel);
-            }
-        }
-        visible.add(low.map(|pixel| pixel - PICTURE_REACH), high.map(|pixel| pixel + PICTURE_REACH));
     }
 }
 
@@ -149,14 +133,14 @@ pub(crate) fn visible_blocks<'a>(
         return visible;
     }
     let vantage = Eye::of(vantage);
-    let eyes: Vec<Eye> = cameras.iter().map(Eye::of).collect();
+    let poses: Vec<DAffine3> = cameras.iter().map(Camera::camera_from_world).collect();
     for (camera, block) in blocks {
         let held = box_of(block, &cameras[camera]);
-        if !vantage.may_see(&vantage.corners(&held)) {
+        if !vantage.may_see(&held) {
             continue;
         }
-        for (eye, visible) in eyes.iter().zip(&mut visible) {
-            eye.add_projection(&eye.corners(&held), visible);
+        for ((other, camera_from_world), visible) in cameras.iter().zip(&poses).zip(&mut visible) {
+            visible.add_place(held.in_picture(&other.intrinsics, camera_from_world));
         }
         let corner = [block.place.0, block.place.1].map(|index| f64::from(index) * BLOCK as f64);
         visible[camera].add(corner, corner);
@@ -186,8 +170,9 @@ mod tests {
         );
         for nearly_beside in [f64::MIN_POSITIVE, 1e-300] {
             let mut visible = VisibleBlocks::none((3, 2));
-            let points = std::array::from_fn(|i| DVec3::new(i as f64 - 3.5, 3.5 - i as f64, nearly_beside));
-            Eye::of(&camera).add_projection(&points, &mut visible);
+            let points =
+                std::array::from_fn(|i| (DVec3::new(i as f64 - 3.5, 3.5 - i as f64, nearly_beside), 1.0));
+            visible.add_place(BoxInPicture::of(&points, &camera.intrinsics));
             assert_eq!(visible.is_visible, [true; 6], "{nearly_beside:e}");
         }
     }

@@ -10,8 +10,6 @@ use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess;
 use overlook_engine::preprocess::diagnostics::PixelAccount;
-use overlook_engine::preprocess::inspect::FrameInspection;
-use overlook_engine::preprocess::pruning::Rule;
 
 /// Prunes a whole capture, after the pass over its frames.
 pub(crate) fn prune_whole(request: PruneRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
@@ -39,27 +37,11 @@ pub(crate) fn inspect(request: PruneRequest, job: &Job) -> Result<Message> {
     for image in &inspection.samples.images {
         kept[image.camera as usize] += image.len() as u64;
     }
-    let account = account_of(&inspection);
+    let verdicts = inspection.cameras.iter().flat_map(|camera| camera.verdict.as_slice());
+    let account = PixelAccount::of_frame(verdicts.map(|verdict| verdict.rule));
     let inspection = Arc::new(inspection);
     let inspected = Inspected { inspection, settings, with_scan: scan.is_some(), kept, account };
     Ok(Message::Inspected { scene: scene.id, inspected })
-}
-
-/// What became of all pixels of one frame. Nothing repeats in it, and what is cut by hand has no depth there.
-fn account_of(inspection: &FrameInspection) -> PixelAccount {
-    let mut account = PixelAccount::default();
-    for verdict in inspection.cameras.iter().flat_map(|camera| camera.verdict.as_slice()) {
-        account.pixels += 1;
-        let part = match verdict.rule {
-            Rule::NoSample => &mut account.without_depth,
-            Rule::MixedYields | Rule::MixedDropped => &mut account.mixed,
-            Rule::Contradicted => &mut account.contradicted,
-            rule if rule.keeps() => &mut account.kept,
-            _ => &mut account.redundant,
-        };
-        *part += 1;
-    }
-    account
 }
 
 /// Makes a frame ready for its thresholds to be turned.
