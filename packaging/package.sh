@@ -43,7 +43,7 @@ done
 cp "$files/completions/overlook.bash" "$archive/share/bash-completion/completions/overlook"
 cp "$files/completions/_overlook" "$archive/share/zsh/site-functions/"
 cp "$files/completions/overlook.fish" "$archive/share/fish/vendor_completions.d/"
-cp README.md GUIDE.md CAPTURES.md FORMAT.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE "$files/THIRD_PARTY.txt" \
+cp README.md GUIDE.md EXPORT.md EDITING.md SCIENCE.md CAPTURES.md FORMAT.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE "$files/THIRD_PARTY.txt" \
     "$archive/share/doc/overlook/"
 tar -C "$out" --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$(git log -1 --format=%ct 2>/dev/null || echo 0)" \
     -czf "$out/$name.tar.gz" "$name"
