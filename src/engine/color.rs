@@ -72,7 +72,7 @@ pub(crate) fn widened(bits: i16) -> f32 {
     widened_small(bits) * WIDENING
 }
 
-/// The same times 2⁻¹¹²: sign, exponent and mantissa are in their place, and the exponent is the half float's. Sums of such numbers
+/// The numbers times 2⁻¹¹²: sign, exponent and mantissa are in their place, and the exponent is the half float's. Sums of such numbers
 /// are those of the numbers themselves times 2⁻¹¹²: the least half float, 2⁻²⁴, is as exact as the largest.
 #[inline(always)]
 pub(crate) fn widened_small(bits: i16) -> f32 {

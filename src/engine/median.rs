@@ -1,6 +1,6 @@
 //! Medians, which strays do not move.
 //!
-//! Of an even number of values each is the **upper** one of the two in the middle: the one at place `n / 2` from 0 on, in ascending
+//! For an even number of values it is the **upper** one of the two in the middle: the one at place `n / 2` from 0 on, in ascending
 //! order. It is always one of the values, never a mean of two. Values that are not a number count as the total order of IEEE 754 puts
 //! them: NaN above +∞, negative NaN below −∞.
 

@@ -23,7 +23,7 @@ pub(crate) fn icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str, help: &st
     bare_icon_button(ui, icon, name).on_hover_text(help)
 }
 
-/// The same without a text under the pointer.
+/// Such a button without a tooltip.
 pub(crate) fn bare_icon_button(ui: &mut Ui, icon: MaterialIcon, name: &str) -> Response {
     ui.scope(|ui| {
         ui.spacing_mut().button_padding = Vec2::new(8.0, 2.0);
@@ -184,8 +184,7 @@ pub(crate) fn waiting(ui: &Ui, area: Rect, size: f32) {
     egui::Spinner::new().paint_at(ui, Rect::from_center_size(area.center(), Vec2::splat(size)));
 }
 
-/// Explains beside a control what it shows, so that what lies below it stays in view: at its left, or where that has no room at its
-/// right, or above it.
+/// Explains a control beside it, so that what lies below stays in view: at its left, or where that has no room at its right, or above.
 pub(crate) fn help_beside(control: &Response, help: String) {
     let mut tooltip = egui::Tooltip::for_enabled(control);
     let elsewhere = &[RectAlign::RIGHT, RectAlign::TOP];
@@ -213,7 +212,7 @@ pub(crate) fn table_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| table_buttons_ui(ui, table, commands));
 }
 
-/// The same in a row that wraps, among what is there already: each button as a whole.
+/// These buttons in a row that wraps: each button as a whole.
 pub(crate) fn table_buttons_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
     let copies =
         TableForm::ALL.map(|(form, name, _)| (format!("Copy {name}"), Command::CopyTable(table, form)));

@@ -26,7 +26,7 @@ use crate::median::{MEDIAN_PER_SIGMA, median};
 const MOST_FRAMES: i64 = 4;
 /// Moments at which cameras are compared, as shares of the capture, once they are known to differ.
 const MOMENTS: [f64; 2] = [0.25, 0.75];
-/// Samples of a picture among which those that move are looked for.
+/// Samples of a picture that are searched for motion.
 const SAMPLES: usize = 12_000;
 /// Distances beyond this are other surfaces, footprints.
 const GATE: f64 = 20.0;

@@ -3,8 +3,8 @@
 //! Purpose: recordings of depth sensors often claim one lens and one place for color and depth, which come from two sensors beside
 //! each other. Source: color is looked up for points of the depth camera, and has to be the same in every camera that sees the point
 //! (Q.-Y. Zhou and V. Koltun, *Color Map Optimization for 3D Reconstruction with Consumer Depth Cameras*, SIGGRAPH 2014). What
-//! differs: the unknowns are those of one sensor that all cameras share, and brightness is standardized in each pair, so that neither
-//! exposure counts nor the contrast, which a lens that magnifies would lower.
+//! differs: the unknowns are those of one sensor that all cameras share, and brightness is standardized in each pair: neither exposure
+//! counts nor contrast, which magnifying lowers.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 

@@ -18,7 +18,7 @@ const FINEST: SolverStage = STAGES[STAGES.len() - 1];
 
 impl Problem {
     /// Puts those cameras back that need not move, and lets the others find their places between them. `weighing` is that of all poses as
-    /// they are now; returned is that of those that are left.
+    /// they are now; that of the remaining moves is returned.
     ///
     /// # Errors
     /// `Cancelled`.

@@ -40,13 +40,13 @@ impl Judgment {
             && fall > LEAST_FALL * self.before
     }
 
-    /// Of losses without and with a correction, one pair for each independent sample.
+    /// Compares losses without and with a correction, one pair for each independent sample.
     pub(crate) fn of(losses: &[[f64; 2]]) -> Self {
         let apart: Vec<(usize, [f64; 2])> = losses.iter().copied().enumerate().collect();
         Self::of_regions(&apart, losses.len())
     }
 
-    /// The same of samples that lie in so many regions, each with the number of its own: those of one region are not independent.
+    /// Compares samples in `regions`, each with the number of its region: samples of one region are not independent.
     pub(crate) fn of_regions(losses: &[(usize, [f64; 2])], regions: usize) -> Self {
         let n = losses.len().max(1) as f64;
         let [before, after] = [0, 1].map(|which| losses.iter().map(|(_, loss)| loss[which]).sum::<f64>() / n);
@@ -69,7 +69,7 @@ impl Judgment {
 /// The region of each sample, and its loss before and after.
 type Losses = Vec<(usize, [f64; 2])>;
 
-/// The loss of samples that took no part, with other poses and with those that were found.
+/// The loss of samples that took no part, with other poses and with the poses found.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PoseJudgment {
     /// By distances and pictures together.
@@ -78,7 +78,7 @@ pub(crate) struct PoseJudgment {
 }
 
 impl PoseJudgment {
-    /// Of the poses as they are beside `then`, one for each camera, by the pairs that count.
+    /// Compares the poses with `then`, one for each camera, by the pairs that count.
     pub(crate) fn new(
         problem: &Problem,
         weighing: &Weighing,
@@ -111,13 +111,13 @@ impl PoseJudgment {
         Self { all, distances }
     }
 
-    /// Whether cameras agree better, about where surfaces are as well: where pictures alone do, something other than poses is wrong. Of
-    /// cameras without depth pictures are all there is.
+    /// Whether cameras agree better, about where surfaces are as well: where pictures alone do, something other than poses is wrong.
+    /// Cameras without depth are judged by pictures alone.
     pub(crate) fn pays(&self) -> bool {
         self.pays_by([STANDARD_ERRORS_OF_POSES; 2])
     }
 
-    /// The same for one camera of a rig whose poses pay together: fewer samples judge it.
+    /// Whether one camera of a rig pays whose poses pay together: fewer samples judge it.
     pub(crate) fn pays_for_one(&self) -> bool {
         self.pays_by([STANDARD_ERRORS_OF_POSES, STANDARD_ERRORS_OF_DOUBT])
     }

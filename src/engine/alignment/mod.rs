@@ -12,8 +12,7 @@
 //!
 //! Hundreds of cameras are aligned in groups of neighbors (`grouped.rs`), so that memory is bounded and time grows with their number.
 //!
-//! Of poses only those of cameras relative to each other are known: most cameras stay where they are. Of gains only ratios are
-//! known: the mean stays.
+//! Only poses relative to each other are known: most cameras stay where they are. Only ratios of gains are known: the mean stays.
 
 mod camera_correction;
 mod capture_correction;
@@ -120,8 +119,8 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
     Ok(found)
 }
 
-/// What was found, unless the capture is read otherwise than it is meant: then cameras disagree for that reason, and nothing is
-/// corrected. `refused` joins what is said to be left as it is.
+/// `found`, or nothing where the capture is misread: cameras then disagree for that reason. `refused` joins the list of what is left as
+/// it is.
 fn with_refusals(found: Option<Aligned>, refused: Vec<String>, capture: &Capture) -> Result<Aligned> {
     if found.is_none() && refused.is_empty() {
         return Ok(Aligned::unchanged(capture));

@@ -54,7 +54,7 @@ pub(crate) struct ReferenceView {
     /// Per pixel the number of resolutions, the finest first, that show nothing but its surface around it; `None` where colors count
     /// whatever is beside.
     pure_levels: Option<Grid<u8>>,
-    /// The same of resolutions that show nothing but surfaces with depth.
+    /// As `pure_levels`, where resolutions show nothing but surfaces with depth.
     measured_levels: Option<Grid<u8>>,
     /// Pixels that are as they are in another frame; `None` where there is only one frame.
     pub(crate) is_still: Option<Grid<bool>>,
@@ -69,7 +69,7 @@ impl ReferenceView {
         Self { pure_levels, measured_levels, ..Self::without_extent(camera, frame, other) }
     }
 
-    /// The same where colors count whatever is beside a surface.
+    /// A view whose colors count whatever is beside a surface.
     pub(crate) fn without_extent(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
         let frame = without_normals(frame);
         let is_still = other.map(|other| still_pixels(&frame, other));
@@ -113,7 +113,7 @@ impl ReferenceView {
         self.pure_levels.as_ref().map_or(LEVELS, |levels| levels_at(levels, image))
     }
 
-    /// The same of resolutions that show nothing but surfaces with depth.
+    /// How many resolutions show nothing but surfaces with depth.
     pub(crate) fn measured_levels_at(&self, image: DVec2) -> usize {
         self.measured_levels.as_ref().map_or(LEVELS, |levels| levels_at(levels, image))
     }

@@ -74,7 +74,7 @@ pub struct AlignedPose {
     pub footprints: f64,
     /// Mean loss of samples that judged, without the change; 0 where cameras agree.
     pub loss_before: f64,
-    /// The same with the change.
+    /// The loss with the change.
     pub loss_after: f64,
     /// Standard error of the difference.
     pub loss_se: f64,
@@ -105,7 +105,7 @@ pub struct AlignedLens {
     pub moved_px: f64,
     /// Mean loss of pairs with cameras that took no part, as claimed; 0 where cameras agree.
     pub loss_before: f64,
-    /// The same through the color lens.
+    /// The loss through the color lens.
     pub loss_after: f64,
     /// Standard error of the difference.
     pub loss_se: f64,

@@ -21,7 +21,7 @@ pub(super) fn pure_levels(inverse_depth: &Grid<f32>, least_distances: &[u8]) -> 
     levels(inverse_depth, least_distances, edge_limit(inverse_depth))
 }
 
-/// The same of resolutions that show nothing but surfaces with depth, be it several.
+/// The number of resolutions that show nothing but surfaces with depth, be it several.
 pub(super) fn measured_levels(inverse_depth: &Grid<f32>, least_distances: &[u8]) -> Grid<u8> {
     levels(inverse_depth, least_distances, f32::INFINITY)
 }
@@ -47,7 +47,7 @@ fn difference(a: f32, b: f32) -> f32 {
     (a - b).abs() / a.max(b)
 }
 
-/// The pixels at which a surface ends: those beside another surface, and those without depth that are no holes.
+/// The pixels at which a surface ends: beside another surface, and without depth unless in a hole.
 fn ends(inverse_depth: &Grid<f32>, limit: f32) -> Grid<bool> {
     let (width, height) = inverse_depth.size();
     let rows = (0..height).map(|y| Line { start: y * width, step: 1, count: width });

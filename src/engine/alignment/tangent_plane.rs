@@ -67,9 +67,9 @@ impl SurfaceBend {
 #[derive(Default)]
 struct WindowSums {
     count: f64,
-    /// Of products of powers of positions.
+    /// Sums of products of powers of positions.
     powers: [[f64; 5]; 5],
-    /// Of the values, times each term.
+    /// Sums of the values times each term.
     values: [f64; TERMS.len()],
     squares: f64,
 }

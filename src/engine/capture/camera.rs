@@ -114,7 +114,7 @@ pub(crate) fn any_orthographic<'a>(cameras: impl IntoIterator<Item = &'a Camera>
     cameras.into_iter().any(|camera| camera.intrinsics.is_orthographic())
 }
 
-/// Refuses what knows cameras in perspective alone: `what` says what does, and what to do instead.
+/// Refuses orthographic cameras: `what` names the feature that cannot have them, and what to do instead.
 ///
 /// # Errors
 /// `Unsupported` where one of the cameras is orthographic.

@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn a_derived_capture_names_the_files_and_places_of_the_frames_that_its_own_are_made_of() {
-        // Of the cameras one is left out: the derived capture's second camera is the recording's third.
+        // One camera is left out: the derived capture's second camera is the recording's third.
         let capture = numbered().with_cameras(|index, _| index != 1);
         let sum = |_: usize, _: usize, read: &[Arc<Frame>]| {
             let sum = read.iter().map(|frame| frame.inverse_depth[(0, 0)]).sum();

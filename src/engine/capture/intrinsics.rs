@@ -161,7 +161,7 @@ impl Intrinsics {
         }
     }
 
-    /// The line of sight through image position `pixel` (pixels, centers at +0.5), in camera space, scaled to `z = 1`. Of a pinhole camera
+    /// The line of sight through image position `pixel` (pixels, centers at +0.5), in camera space, scaled to `z = 1`. For a pinhole camera
     /// it is the point at planar depth 1; of an orthographic one the z axis everywhere. Points: [`Intrinsics::point_in_camera`].
     #[must_use]
     pub fn ray_in_camera(&self, pixel: DVec2) -> DVec3 {

@@ -59,7 +59,7 @@ impl PixelBox {
 }
 
 impl BoxInPicture {
-    /// Of the hull of eight points in the camera's space, each with its inverse depth in its own camera.
+    /// Holds the hull of eight points in the camera's space, each with its inverse depth in its own camera.
     pub(crate) fn of(corners: &[(DVec3, f64); 8], lens: &Intrinsics) -> Self {
         if corners.iter().all(|(point, _)| point.z <= 0.0) {
             return Self::Nowhere;

@@ -134,7 +134,7 @@ impl CameraEdits<'_> {
         of_span.filter(|(_, frames)| !frames.is_empty()).collect()
     }
 
-    /// What stays of an image, of which `own` has the colors that edits ask for.
+    /// What stays of an image; `own` has the colors that edits ask for.
     fn left_of(
         &self,
         image: &SampleImage,
@@ -232,7 +232,7 @@ pub fn cut(
     cut_as(images, None, outline, edits, votes, place)
 }
 
-/// The same, of images in other colors than their `own`, which edits ask for.
+/// Cuts images whose colors were changed: edits ask for the colors of `own`.
 fn cut_as(
     images: &ImageBuffer,
     own: Option<&ImageBuffer>,
@@ -316,7 +316,7 @@ pub fn edit_samples(
     Ok((SampleSet { images: images.into_images()?, ..set.clone() }, dropped))
 }
 
-/// What a list leaves of a set that [`selected`] gave of `own`: edits ask for the colors that samples had before.
+/// What a list leaves of a set that [`selected`] made of `own`: edits ask for the colors of `own`.
 ///
 /// # Errors
 /// As [`cut`].

@@ -31,7 +31,7 @@ impl<'a> Evidence<'a> {
         Ok(Self { image, votes, marks })
     }
 
-    /// Of the image, for each region that depends on other samples.
+    /// The image's marks, for each region that depends on other samples.
     pub(super) fn marks(&self) -> &'a [ImageMarks] {
         self.marks
     }

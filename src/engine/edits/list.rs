@@ -127,8 +127,7 @@ impl EditList {
         others.into_iter().chain(left_out).collect()
     }
 
-    /// The same list, in which pictures of cameras that are left out are those of viewpoints: what was outlined there is still known once
-    /// these cameras are not.
+    /// This list with viewpoints in place of the cameras that it leaves out: outlines in their pictures outlast these cameras.
     #[must_use]
     pub fn with_views_of_left_out(&self, cameras: &[Camera]) -> Self {
         let left_out = self.cameras_left_out();
@@ -175,8 +174,8 @@ impl EditList {
         self.acting().filter(whole).flat_map(|edit| edit.region.named_cameras()).collect()
     }
 
-    /// Checks the cameras and the values that the edits that act name against those of a capture or store; the cameras `gone` were left out
-    /// of it before. `place` is named in errors.
+    /// Checks that a capture or store has the cameras and values that acting edits name; the cameras `gone` were left out of it before.
+    /// `place` is named in errors.
     ///
     /// # Errors
     /// `Invalid` for a camera or a value that is not there, and where no camera is left.

@@ -52,7 +52,7 @@ fn yes() -> bool {
     true
 }
 
-/// Reads the version alone, so that a newer file is refused by that, not by a key that is new.
+/// Reads the version alone, so that a newer file is refused by it, not by a new key.
 #[derive(Deserialize)]
 struct VersionForm {
     version: u32,

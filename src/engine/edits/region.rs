@@ -12,7 +12,7 @@ pub type Outline = Vec<[f64; 2]>;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stroke {
-    /// Of the brush, pixels, above 0.
+    /// Radius of the brush, pixels, above 0.
     pub radius: f64,
     /// Where it went, in pixels, `[x, y]` from the upper left corner, in order; straight in between. At least one point.
     pub points: Vec<[f64; 2]>,
@@ -58,8 +58,8 @@ pub enum Region {
     },
     /// All that some cameras saw, by their names.
     Cameras(Vec<String>),
-    /// What one camera saw at the pixels whose centers are drawn on in its picture: within the outline or under a stroke. With a frame,
-    /// what these pixels show there, whichever camera's samples stand for it.
+    /// What one camera saw at the pixels whose centers lie within the outline or under a stroke in its picture. With a frame, it is what
+    /// these pixels show at that frame, even by samples of other cameras.
     Pixels {
         /// Its name.
         camera: String,
@@ -113,10 +113,10 @@ pub enum Region {
         /// The most grazing view.
         to: f64,
     },
-    /// Samples of which a scalar value is in a range, both ends included, which may be infinite. What has no value is not among them. A
-    /// sample has the value of the first frame of its span.
+    /// Samples with a scalar value in a range, both ends included, which may be infinite. A sample without a value is in none; others have
+    /// that of the first frame of their span.
     Value {
-        /// Of the channel.
+        /// The channel's name.
         name: String,
         /// The lowest.
         from: f64,
@@ -314,7 +314,7 @@ impl Region {
         )
     }
 
-    /// Its parts that depend on other samples, those that others are made of first; each once.
+    /// Its parts that depend on other samples, each once; parts come before what is made of them.
     pub(super) fn note_those_that_ask_others<'a>(&'a self, known: &mut Vec<&'a Self>) {
         self.parts().iter().for_each(|part| part.note_those_that_ask_others(known));
         if self.asks_other_samples() && !known.contains(&self) {

@@ -102,7 +102,7 @@ pub fn edited_capture(capture: &Capture, edits: &EditList, cache_bytes: usize) -
 }
 
 /// The capture with pixels without depth where a list deletes before pruning. `capture` has no camera that is left out; its poses are
-/// those that regions are in. `cache_bytes` of the frames are kept.
+/// those of the regions. `cache_bytes` of the frames are kept.
 #[must_use]
 pub fn without_removed_pixels(capture: &Capture, edits: &EditList, cache_bytes: usize) -> Capture {
     if edits.before_pruning().next().is_none() {

@@ -15,7 +15,7 @@ pub struct Votes {
 }
 
 impl Votes {
-    /// Whether the cameras that look past it outnumber those that confirm it, its own among these.
+    /// Whether more cameras look past it than confirm it, its own among the latter.
     #[must_use]
     pub fn contradict(self) -> bool {
         self.look_past > self.confirm.saturating_add(1)
@@ -46,7 +46,7 @@ pub(super) struct Seen<'a> {
     pub(super) color: [f16; 3],
     /// Scalar values, one a channel; none where there are none.
     pub(super) values: &'a [f32],
-    /// Of its image, for each region that depends on other samples.
+    /// The marks of its image, for each region that depends on other samples.
     pub(super) marks: &'a [ImageMarks],
     /// Index into the planes of its image.
     pub(super) index: usize,

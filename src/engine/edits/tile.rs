@@ -149,7 +149,7 @@ impl RegionTest {
     }
 }
 
-/// Of parts that are combined as *any* or *all* of them: one part that is as `decisive` decides, and so do all that are not.
+/// *Any* or *all* of some parts: one part that is as `decisive` decides, and so do all that are not.
 fn combined(parts: &[RegionTest], tile: &Tile<'_>, marks: &[ImageMarks], decisive: bool) -> Option<bool> {
     let mut all = Some(!decisive);
     for part in parts {

@@ -91,7 +91,7 @@ pub(crate) struct Coarsening {
 }
 
 impl Coarsening {
-    /// Of the images of a set.
+    /// Levels of the images of a set.
     ///
     /// # Errors
     /// `Cancelled`.
@@ -177,7 +177,7 @@ fn levels(image: &Arc<SampleImage>, lens: &Intrinsics) -> Vec<Arc<SampleImage>> 
     levels
 }
 
-/// The squares of an image. A square of a coarser level loses at least as much as those that it is made of: it comes after them.
+/// The squares of an image. A coarser square loses at least as much as the squares that it is made of: it comes after them.
 fn candidates(levels: &[Arc<SampleImage>], image: usize) -> Vec<Candidate> {
     let mut all = Vec::new();
     let mut before: BTreeMap<Place, f64> = BTreeMap::new();

@@ -60,7 +60,7 @@ struct PathHeader {
 /// 8-bit sRGB by direction: rows from straight up along z to straight down, columns by the angle about z from −x on.
 #[derive(Serialize)]
 struct SkyHeader {
-    /// Of the samples at the first frame.
+    /// Share of the samples at the first frame.
     share: f32,
     rows: usize,
     /// Each byte less the one three before it, gzip, base64.

@@ -51,7 +51,7 @@ struct Candidate {
     camera: Camera,
 }
 
-/// All that may be chosen, and what is shown by what was chosen.
+/// All cameras that may be chosen, and what the chosen ones show.
 pub(super) struct Coverage<'a> {
     moments: &'a [Moment],
     /// Every how many surfels one is counted.
@@ -70,7 +70,7 @@ pub(super) struct Coverage<'a> {
 }
 
 impl<'a> Coverage<'a> {
-    /// Of moments that hold a surfel; `every` how many surfels one is counted, at least 1.
+    /// For moments that hold a surfel; one of `every` surfels is counted, at least 1.
     pub(super) fn new(moments: &'a [Moment], every: usize, lens: Intrinsics, up_in_world: DVec3) -> Self {
         let mut coverage = Self {
             moments,

@@ -37,7 +37,7 @@ struct Seen {
     x: f32,
     y: f32,
     distance: f32,
-    /// Of its slant; negative from behind.
+    /// Cosine of its slant; negative from behind.
     cosine: f32,
 }
 

@@ -80,7 +80,7 @@ impl CoarserSamples {
 }
 
 impl HalvedSet {
-    /// Of the samples of a frame; images that another level has are taken from there.
+    /// A level of the samples of a frame; images that another level has are taken from there.
     fn new(finer: &Arc<SampleSet>, frame: usize, before: Option<&Self>) -> Self {
         let halved = |(nth, image): (usize, &Arc<SampleImage>)| {
             if !image.span.contains(frame) {

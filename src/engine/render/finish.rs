@@ -121,7 +121,7 @@ impl Finisher {
         Ok(&self.frames[0])
     }
 
-    /// What cameras saw at a frame, of which it may be `known` what others saw.
+    /// What cameras saw at a frame; what is `known` is taken over.
     fn see_anew(
         &mut self,
         samples: &Arc<SampleSet>,
@@ -153,7 +153,7 @@ impl Finisher {
 }
 
 impl SeenFrame {
-    /// Of some images with the sky in them, which may be that of `before`. Nothing is known of depths yet.
+    /// For some images and their sky, which may be that of `before`. Nothing is known of depths yet.
     fn new(samples: &Arc<SampleSet>, images: Vec<usize>, sky: Arc<SkySums>, before: Option<&Self>) -> Self {
         let shared = before.filter(|before| Arc::ptr_eq(&before.sky, &sky));
         let environment = match shared {

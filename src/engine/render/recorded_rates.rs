@@ -27,7 +27,7 @@ impl RecordedRates {
     /// At a vantage.
     pub(super) fn of(samples: &SampleSet, vantage: &Vantage) -> Self {
         let images = || samples.images_at(vantage.frame);
-        // Of longer spans if there are any, so that the resolution does not change from frame to frame.
+        // Longer spans count if there are any, so that the resolution does not change from frame to frame.
         let has_longer = images().any(|image| image.span.len() > 1 && !image.is_empty());
         let chosen: Vec<_> = images().filter(|image| !has_longer || image.span.len() > 1).collect();
         let seen: Vec<SeenTile> =

@@ -65,7 +65,7 @@ struct Request<'a> {
     vantage: &'a Vantage,
     settings: &'a RenderSettings,
     job: &'a Job,
-    /// Of a close-up; 0 is the picture itself.
+    /// Level of a close-up; 0 is the picture itself.
     level: usize,
     /// Pixels that are painted along each side of one of the picture, and averaged.
     factor: usize,

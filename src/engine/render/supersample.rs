@@ -4,7 +4,7 @@
 //! sub-pixels of one surface at one depth, and gives a pixel at most two surfaces, those at its center.
 //!
 //! Source: supersampling on a regular grid with a box filter (Crow, *The Aliasing Problem in Computer-Generated Shaded Images*, CACM
-//! 1977). What differs: the grid is as fine as the picture was recorded. Of a picture that is no coarser, edges alone are supersampled
+//! 1977). What differs: the grid is as fine as the picture was recorded. In a picture that is no coarser, only edges are supersampled,
 //! where that is asked for.
 
 use rayon::prelude::*;

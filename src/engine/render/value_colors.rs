@@ -46,7 +46,7 @@ impl ValueColors {
         Ok(Self { map, scale, range, isolated: None })
     }
 
-    /// The same, of the values from one number to another alone: all others are shown as missing ones.
+    /// These colors for values from one number to another: all others are shown as missing.
     #[must_use]
     pub fn isolating(self, isolated: [f32; 2]) -> Self {
         Self { isolated: Some(isolated), ..self }

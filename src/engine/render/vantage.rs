@@ -85,7 +85,7 @@ pub struct Picture {
 /// share of the pixel that lies in front, 0 to 1.
 pub(crate) type FrontColor = [f32; 5];
 
-/// Of a pixel that shows one surface.
+/// The front of a pixel that shows one surface.
 pub(crate) const NO_FRONT: FrontColor = [0.0, 0.0, 0.0, -1.0, 0.0];
 
 /// A pixel shows samples from this share on that they cover; with less it is a hole.
@@ -143,7 +143,7 @@ pub struct RenderStats {
     pub holes: u64,
     /// Wall-clock milliseconds, filling included.
     pub milliseconds: f64,
-    /// Of these, those of each stage; zeros where the graphics adapter does not tell.
+    /// The milliseconds of each stage; zeros where the graphics adapter does not tell.
     pub stages: StageTimes,
     /// Whether the background was taken from the cache instead of being painted.
     pub background_reused: bool,

@@ -4,8 +4,7 @@
 //! finer one.
 //!
 //! Source: Lance Williams, *Pyramidal Parametrics*, SIGGRAPH 1983. What differs: samples of different surfaces are kept apart, so that no
-//! level has depths in the air between them. Of the surfaces in a square the one that most of its samples show stays, of two with as
-//! many the nearer.
+//! level has depths in the air between them. The surface that most samples of a square show stays, the nearer of two with as many.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +21,7 @@ const SIDE: usize = 2 * TILE;
 /// Inverse depths in a square that differ by at most this many footprints are of one surface, however slanted it is.
 const SAME_FOOTPRINTS: f32 = 8.0;
 
-/// The same camera with pixels twice as wide and high. Of an odd number of columns or rows the last is joined with nothing.
+/// The camera with pixels twice as wide and high. The last of an odd number of columns or rows is joined with nothing.
 pub(crate) fn halved_camera(camera: &Camera) -> Camera {
     let Intrinsics { width, height, fx, fy, cx, cy, projection } = camera.intrinsics;
     let intrinsics = Intrinsics {

@@ -95,7 +95,7 @@ impl SampleImage {
         part.finish()
     }
 
-    /// Several images of this one's camera, of which no two hold the same pixel, as one image of this one's span.
+    /// Joins images of this one's camera to one image of this one's span; no two hold the same pixel.
     #[must_use]
     pub fn joined_with(&self, others: &[Self]) -> Self {
         let mut samples = Vec::new();

@@ -59,8 +59,7 @@ pub struct SampleImage {
     pub depth: DepthPlane,
     /// World-space normals, one per sample, where the settings ask for them.
     pub normal: Option<Vec<OctNormal>>,
-    /// The doubtful samples, tile after tile: those that no other camera confirms, among noisy cameras. Of tiles without one there is
-    /// no mask.
+    /// The doubtful samples, tile after tile: those that no other camera confirms, among noisy cameras. A tile without one has no mask.
     pub doubtful: Vec<TileMask>,
     /// Scalar values, one for each of the set's channels and sample: those of some picture, bit for bit; empty where the set has none.
     pub values: Values,

@@ -61,7 +61,7 @@ fn places(image: &SampleImage) -> impl Iterator<Item = f32> {
 }
 
 impl<'a> Field<'a> {
-    /// Of a set, in some axes: as few splats as are asked for.
+    /// The splats of a set, in some axes: as few as are asked for.
     ///
     /// # Errors
     /// `Invalid` where the set holds no sample with a place, or too many at its coarsest; `Cancelled`.

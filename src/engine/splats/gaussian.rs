@@ -58,7 +58,7 @@ struct Ellipse {
 }
 
 impl Gaussian {
-    /// Of a sample that `camera` saw.
+    /// The splat of a sample that `camera` saw.
     pub(super) fn of_sample(placed: &PlacedSample, camera: &Camera, look: &Look, space: &Space) -> Self {
         let world_from_camera = camera.world_from_camera.matrix3;
         let ray = placed.ray_in_camera;

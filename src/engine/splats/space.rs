@@ -44,7 +44,7 @@ pub(super) struct Space {
 }
 
 impl Space {
-    /// Of a set, in the axes of a format.
+    /// The space of a set, in the axes of a format.
     pub(super) fn of(set: &SampleSet, format: SplatFormat) -> Self {
         let upright = set.up_in_world.try_normalize().map_or(DMat3::IDENTITY, |up| {
             if up == DVec3::Z {
@@ -56,7 +56,7 @@ impl Space {
         Self { turn: Axes::of(format).turn_of_z_up() * upright, ..Self::of_world(set) }
     }
 
-    /// Of a set, in the axes of its world.
+    /// The space of a set, in the axes of its world.
     pub(super) fn of_world(set: &SampleSet) -> Self {
         let count = set.cameras.len().max(1) as f64;
         let middle = set.cameras.iter().map(|camera| camera.position_in_world() / count).sum::<DVec3>();
@@ -77,7 +77,7 @@ impl Space {
 
 #[cfg(test)]
 impl Space {
-    /// Of a world with z up around its origin.
+    /// The space of a world with z up around its origin.
     pub(super) fn upright(axes: Axes) -> Self {
         Self { turn: axes.turn_of_z_up(), origin_in_world: DVec3::ZERO }
     }

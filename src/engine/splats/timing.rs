@@ -12,7 +12,7 @@ pub(super) struct Timing {
 }
 
 impl Timing {
-    /// When a span is seen: each frame at which that changes, or at which the scene begins or ends, and whether it is seen from there on.
+    /// Frames at which a span appears or goes, or the scene begins or ends, each with whether the span is seen from there on.
     pub(super) fn changes(self, span: Span) -> Vec<(u32, bool)> {
         let last = self.frames as u32;
         let mut frames = vec![0, span.start, span.end, last];

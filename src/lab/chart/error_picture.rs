@@ -10,7 +10,7 @@ use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::Picture;
 
-/// Of a pixel that shows no surface, or whose class is not known.
+/// Color of a pixel that shows no surface, or whose class is not known.
 const NO_CLASS: [u8; 3] = [220, 220, 220];
 
 /// Error at which the map has its full color, 8-bit steps.

@@ -18,7 +18,7 @@ pub(crate) struct TogetherPoint {
     pub(crate) series: Series,
     /// As a share of the default's.
     pub(crate) bytes: f64,
-    /// Of the default, mean over captures.
+    /// Lead over the default, mean over captures.
     pub(crate) ahead_db: MeanEstimate,
 }
 

@@ -65,7 +65,7 @@ pub struct ErrorByClass {
 pub(crate) struct ClassErrors([(u64, f64); 3]);
 
 impl ClassErrors {
-    /// Of a picture beside its truth; all three of one size.
+    /// Compares a picture with its truth; all three of one size.
     pub(crate) fn of(picture: &Picture, truth: &Frame, classes: &ClassMap) -> Self {
         let mut sums = Self::default();
         let pixels = picture.color.as_slice().iter().zip(truth.color.as_slice()).zip(classes.as_slice());

@@ -20,7 +20,7 @@ pub struct Scores {
     /// pixel got one, the same as `psnr_all_db`. Filling holes changes it only where pictures are supersampled: a pixel that is
     /// partly a hole then shows its filling too.
     pub psnr_db: f64,
-    /// The same over all true pixels, dB. Holes count as black or as what fills them, so that this number shows the effect of
+    /// PSNR over all true pixels, dB. Holes count as black or as what fills them, so that this number shows the effect of
     /// filling. Sky that no camera saw weighs heavily in it.
     pub psnr_all_db: f64,
     /// Structural similarity of luma, -1 to 1, over windows whose middle got a sample; 0 where none did. Such windows reach

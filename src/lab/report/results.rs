@@ -15,11 +15,11 @@ pub struct CaptureResults {
     pub commands: Vec<String>,
     /// Versions of the program that measured it.
     pub versions: Vec<String>,
-    /// Of the sweep; empty without one.
+    /// Points of the sweep; empty without one.
     pub points: Vec<Point>,
-    /// Of the stress test; empty without one.
+    /// Points of the stress test; empty without one.
     pub stress: Vec<StressPoint>,
-    /// Of the stress test.
+    /// Breaking points of the stress test.
     pub failures: Vec<BreakingPoint>,
     /// The fewest views that show everything, where they were chosen.
     pub views: Option<ChosenViews>,

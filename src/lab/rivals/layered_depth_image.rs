@@ -22,7 +22,7 @@ const SAME_DEPTH: f32 = 0.01;
 /// Largest half width of the picture, in focal lengths: 150° in all.
 const MAX_REACH: f64 = 3.7;
 
-/// One sample of a ray: the mean of those that were carried there.
+/// One sample of a ray: the mean of the samples that were carried there.
 #[derive(Clone, Copy)]
 struct LayerSample {
     inverse_depth: f32,

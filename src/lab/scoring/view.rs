@@ -105,7 +105,7 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// The same with the views in their given order, where `order` is that in which they were rendered.
+    /// These scores with the views in their given order; `order` is that in which they were rendered.
     #[must_use]
     pub fn in_order_of_views(self, order: &[usize]) -> Self {
         let mut views: Vec<(usize, ViewScore)> = order.iter().copied().zip(self.views).collect();

@@ -163,7 +163,7 @@ mod tests {
         let near = deviation(&|x, y| is_near(x, y).then(|| error((x, y))));
         let far = deviation(&|x, y| (!is_near(x, y)).then(|| error((x, y))));
         assert!((near - 0.004).abs() < 0.0006 && (far - 0.064).abs() < 0.006, "{near} {far}");
-        // Of nine numbers two neighbors have six in common: their difference is √(2/3) as wide as each.
+        // Two neighbors have six of nine numbers in common: their difference is √(2/3) as wide as each.
         let apart = deviation(&|x, y| {
             (!is_near(x, y) && !is_near(x, y + 1)).then(|| error((x, y)) - error((x, y + 1)))
         });

@@ -121,7 +121,7 @@ pub struct Point {
     pub psnr_db: f64,
     /// Its standard error over vantages, see [`MeanEstimate::over_vantages`].
     pub psnr_db_se: f64,
-    /// The same over all of these pixels, with holes always filled by `pushpull`: neither leaving holes nor being good at easy pixels
+    /// PSNR over all of these pixels, with holes always filled by `pushpull`: neither leaving holes nor being good at easy pixels
     /// improves it. Points are ranked by it.
     pub psnr_filled_db: f64,
     /// Its standard error over vantages, which is mostly their own difference. Compare points by `behind_best_db_se` instead.

@@ -11,7 +11,7 @@ pub(super) struct PictureNumber {
 }
 
 impl PictureNumber {
-    /// Of a file's name without folder and extension; `None` where it holds no number.
+    /// Reads a file's name without folder and extension; `None` where it holds no number.
     pub(super) fn of(stem: &str) -> Option<Self> {
         let is_digit = |letter: u8| letter.is_ascii_digit();
         let bytes = stem.as_bytes();

@@ -5,7 +5,7 @@
 //! - Otherwise the camera's own frames are the truth, in full: surfaces that no other camera saw count against dropping it. The camera is
 //!   dropped if the others show its frames at most the bound worse than they show held-out cameras on average.
 //!
-//! Cameras with the fewest samples are tried first. Of two cameras alike that is the one whose samples were pruned in favor of the other.
+//! Cameras with the fewest samples are tried first. For two cameras alike that is the one whose samples were pruned in favor of the other.
 
 use super::plan::CameraCost;
 use super::search::SettingSearch;

@@ -135,7 +135,7 @@ impl<'a> SettingSearch<'a> {
         self.chosen()
     }
 
-    /// Combines changes, those that save most first, and keeps those that stay acceptable.
+    /// Combines changes, those that save most first, as long as the result stays acceptable.
     fn combine(&mut self, mut changes: Vec<TriedChange>) -> Result<()> {
         changes.sort_by_key(|change| simplicity(&change.point));
         let mut current = self.points[0].clone();
@@ -197,7 +197,7 @@ impl<'a> SettingSearch<'a> {
         Ok(point.bytes as f64 * growth)
     }
 
-    /// Of everything measured: the simplest that is good enough, or the most accurate within the budget.
+    /// Among everything measured, the simplest that is good enough, or the most accurate within the budget.
     fn chosen(&mut self) -> Result<Point> {
         if self.plan.budget.is_none() {
             let chosen = self.rule().choose(&candidates(&self.points));
@@ -265,7 +265,7 @@ fn candidate(point: &Point) -> CandidateSetting<'_> {
     CandidateSetting { views: &point.views, psnr_filled_db: point.psnr_filled_db, cost: simplicity(point) }
 }
 
-/// Fewest bytes first, then least work: no clock, so that runs agree. Of equals, the first measured is preferred.
+/// Fewest bytes first, then least work: no clock, so that runs agree. The first measured of equals is preferred.
 fn simplicity(point: &Point) -> (u64, u64) {
     (point.bytes_of_samples(), point.work as u64)
 }

@@ -207,7 +207,7 @@ fn area_of_tabs(tree: &Tree<DockView>, tile: TileId) -> Option<Area> {
     tree.tiles.get_pane(tabs.children.first()?)?.area()
 }
 
-/// The area of a pane: of panels, that of the panel in which it lies, so that a panel is hidden as a whole.
+/// The area of a pane: a pane in a panel has the area of the panel, which is hidden as a whole.
 fn area_at(tree: &Tree<DockView>, pane: TileId) -> Option<Area> {
     let own = tree.tiles.get_pane(&pane)?.area()?;
     let panel = tree.tiles.parent_of(pane).and_then(|tabs| area_of_tabs(tree, tabs));

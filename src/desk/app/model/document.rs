@@ -54,7 +54,7 @@ pub(crate) struct Document {
     pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
     /// The live picture that was painted last.
     pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
-    /// The same from where the view is now, while that is painted.
+    /// That picture carried to where the view is now, until a new one is painted.
     pub live_carried: Option<ShownCarried>,
     pub edits: SceneEdits,
     pub probe: InspectedPixel,

@@ -106,7 +106,7 @@ pub(crate) enum FileRequest {
         path: PathBuf,
         chart: Chart,
     },
-    /// The same, for the clipboard.
+    /// A chart for the clipboard.
     CopyChart {
         study: Study,
         chart: Chart,

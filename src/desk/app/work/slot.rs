@@ -1,4 +1,4 @@
-//! What follows from the state alone: a request, the worker that answers it, and what it was asked last.
+//! Work that follows from the state alone: a request, the worker that answers it, and its last question.
 
 use crate::app::model::{Message, State, WorkKind};
 use crate::app::rooms::frame::model::DockView;

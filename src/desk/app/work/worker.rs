@@ -1,4 +1,4 @@
-//! Workers: one named thread each, one kind of work each. Of pictures the latest request wins; files wait in line.
+//! Workers: one named thread each, one kind of work each. The latest request for a picture wins; files wait in line.
 //!
 //! ```text
 //! UI ── submit(request) ──▶ slot (what waits: one, or a line) ──▶ thread ── Message ──▶ bounded channel ──▶ logic()

@@ -44,7 +44,7 @@ pub(crate) struct Workers {
     /// The whole capture: scan, then prune.
     pub whole: Worker<PruneRequest>,
     pub inspect: Worker<PruneRequest>,
-    /// The same frame, before a threshold is turned.
+    /// Candidate lists of that frame, before a threshold is turned.
     pub prepare: Worker<PruneRequest>,
     pub source: Slot<SourceRequest>,
     pub live: Worker<LiveKey>,
@@ -257,9 +257,9 @@ fn or_stopped(
 
 /// How much nicer than the program threads are that answer the hand at once.
 const WINDOW: i32 = 0;
-/// Of those that paint the live view.
+/// Niceness of threads that paint the live view.
 const PICTURES: i32 = 5;
-/// Of those that work for minutes: an eighth of the window's share, half of that of pictures. With less, a window in
+/// Niceness of threads that work for minutes: an eighth of the window's share, half of that of pictures. With less, a window in
 /// steady motion would starve the work that it waits for.
 const WORK: i32 = 9;
 

@@ -22,8 +22,8 @@ pub(crate) fn open_capture(path: &Path, settings: &CaptureSettings) -> Result<Ca
 /// Edits that are applied to a store or a capture before anything else.
 #[derive(Debug, Args)]
 pub(crate) struct EditsArgs {
-    /// Apply this edit list first (TOML, as the window saves it): what it deletes is not there. Of a capture these are cameras and pixels,
-    /// where it was recorded; edits that act on what pruning keeps are refused.
+    /// Apply this edit list first (TOML, as the window saves it): what it deletes is not there. From a capture it deletes cameras and
+    /// recorded pixels; edits that act on what pruning keeps are refused.
     #[arg(long, value_name = "FILE")]
     edits: Option<PathBuf>,
 }

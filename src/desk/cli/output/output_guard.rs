@@ -45,7 +45,7 @@ pub(crate) fn check_folder(out: &Path) -> Result<()> {
     }
 }
 
-/// Refuses pictures below `out` that would overwrite those of the manifest, or those of a capture in `out`.
+/// Refuses pictures below `out` that would overwrite pictures of the manifest or of a capture in `out`.
 pub(crate) fn refuse_true_pictures(manifest: &Path, out: &Path, targets: &[PicturePaths]) -> Result<()> {
     refuse_pictures_at(manifest, &picture_places(manifest)?, targets)?;
     // The user did not name that capture: its manifest may be missing or broken.

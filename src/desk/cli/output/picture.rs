@@ -49,8 +49,8 @@ impl PicturePaths {
         write_png(&self.png, picture)
     }
 
-    /// The same of a picture that shows scalar values: they are layers of the EXR, the PNG is the one in `colors` of a channel, and where
-    /// `as_arrays`, each channel is an array of `NumPy` beside it.
+    /// Writes a picture that shows scalar values: as layers of the EXR, in the `colors` of one channel in the PNG, and with `as_arrays` as
+    /// an array of `NumPy` for each channel beside it.
     pub(crate) fn write_with_values(
         &self,
         picture: &Picture,

@@ -16,9 +16,9 @@ const RAW_PIXEL: u64 = 3 + 4;
 pub(crate) struct Sizes {
     /// All input pixels, 8-bit color and 32-bit depth.
     raw: u64,
-    /// The same without pixels that have no depth and without repetitions in time.
+    /// Bytes without pixels that have no depth and without repetitions in time.
     after_time: u64,
-    /// The same of what is left without redundancy between cameras.
+    /// Bytes without redundancy between cameras as well.
     after_pruning: u64,
     /// The kept samples in memory.
     memory: u64,

@@ -28,7 +28,7 @@ pub(crate) struct SweepDocument {
     pub(crate) truth: String,
     /// What was typed.
     pub(crate) command: String,
-    /// Of the program.
+    /// The program's version.
     pub(crate) version: String,
     pub(crate) points: Vec<Point>,
     /// The worst viewpoints of the default, as pictures in the same folder.
@@ -43,7 +43,7 @@ pub(crate) struct StressDocument {
     pub(crate) truth: String,
     /// What was typed.
     pub(crate) command: String,
-    /// Of the program.
+    /// The program's version.
     pub(crate) version: String,
     pub(crate) points: Vec<StressPoint>,
     pub(crate) failures: Vec<BreakingPoint>,
@@ -59,7 +59,7 @@ pub(crate) struct ViewsDocument {
     pub(crate) truth: String,
     /// What was typed.
     pub(crate) command: String,
-    /// Of the program.
+    /// The program's version.
     pub(crate) version: String,
     #[serde(flatten)]
     pub(crate) chosen: ChosenViews,

@@ -34,7 +34,7 @@ pub(super) struct AgreementCounts {
 }
 
 impl AgreementCounts {
-    /// Points that agree less those that contradict, as a share of all.
+    /// Points that agree, less points that contradict, as a share of all.
     pub(super) fn score(&self) -> f64 {
         (self.agree as f64 - self.contradict as f64) / self.tried.max(1) as f64
     }
@@ -47,8 +47,8 @@ impl Comparison {
         self.views.iter().map(|view| reading.pose.world_from_camera(&matrix(view))).collect()
     }
 
-    /// Points that agree less those that contradict, as a share of those carried; `points` of each pair, those within `tolerance`
-    /// of a number agree.
+    /// Points that agree, less points that contradict, as a share of those carried; `points` of each pair agree within `tolerance` of a
+    /// number.
     pub(super) fn score(&self, reading: &Reading, points: usize, tolerance: f64) -> f64 {
         self.votes(reading, points, tolerance).score()
     }

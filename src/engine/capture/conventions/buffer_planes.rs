@@ -42,7 +42,7 @@ pub(super) fn round_planes(claimed: &Reading) -> Vec<Reading> {
     between(claimed, nears.iter().flat_map(|near| fars.iter().map(|far| (*near, *far))))
 }
 
-/// The same with any planes.
+/// Readings with any planes.
 pub(super) fn any_planes(claimed: &Reading) -> Vec<Reading> {
     const STEP: f64 = 1.05;
     const RATIOS: [f64; 7] = [3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 1e4];
@@ -51,7 +51,7 @@ pub(super) fn any_planes(claimed: &Reading) -> Vec<Reading> {
     between(claimed, nears.flat_map(|near| with_ratios(near, &RATIOS)))
 }
 
-/// The same with planes near those of a reading.
+/// Readings with planes near those of a reading.
 pub(super) fn planes_near(reading: &Reading) -> Vec<Reading> {
     let Some(DepthPlanes { near, far }) = reading.planes else { return Vec::new() };
     let ratio = far.map_or(1e5, |far| far / near);

@@ -38,7 +38,7 @@ pub(super) struct PictureComparison<'a> {
     patches: Vec<Vec<Patch<'a>>>,
 }
 
-/// A point with the brightness around it, of which the mean is taken away.
+/// A point with the brightness around it, less its mean.
 struct Patch<'a> {
     point: &'a SourcePoint,
     values: [f64; PATCH],

@@ -22,11 +22,11 @@ const ALL: usize = usize::MAX;
 const LEAST_PATCHES: usize = 200;
 /// A correlation below this is chance.
 const NOT_CHANCE: f64 = 0.15;
-/// Another unit is believed that fits this many times as well, and another lens: that bends views, so that by chance other patches meet
-/// what looks like them. Of 200 exact scenes, four have a lens that fits 1.4 to 1.6 times as well.
+/// Another unit is believed if it fits this many times as well. So is another lens: it bends views, and patches meet look-alikes by
+/// chance. Among 200 exact scenes, four have a lens that fits 1.4 to 1.6 times as well.
 const UNIT_DECIDES: f64 = 1.4;
 const LENS_DECIDES: f64 = 1.8;
-/// Both have to fit better by this much, and by this many standard errors of the pairs, of which some see nothing in common.
+/// Both have to fit better by this much, and by this many standard errors of the pairs: some pairs see nothing in common.
 const LEAST_GAIN: f64 = 0.08;
 const STANDARD_ERRORS: f64 = 2.0;
 /// Readings that fit this share as well as the best are as good.

@@ -1,4 +1,4 @@
-//! The search for the readings under which views agree, in stages that each keep what does not fall behind.
+//! The search for readings under which views agree, in stages; each keeps what does not fall behind.
 
 use rayon::prelude::*;
 
@@ -203,7 +203,7 @@ fn any_unit(comparison: &Comparison) -> Vec<Scored> {
     refined(comparison, &readings)
 }
 
-/// The best of some readings that differ in their units, and that between them which fits better still.
+/// The best of some readings that differ in their units, and a better one between them.
 fn refined(comparison: &Comparison, readings: &[Reading]) -> Vec<Scored> {
     let few = score_all(comparison, readings, FEW_POINTS, WIDE);
     let Some(coarse) = few.first().filter(|scored| scored.score > 0.0) else { return Vec::new() };

@@ -30,7 +30,7 @@ pub struct Finding {
     pub verdict: ConventionVerdict,
     /// How the capture is read.
     pub claimed: Reading,
-    /// Points of one view that another confirms less those that it contradicts, as a share of all, as the capture is read.
+    /// Points of one view that another confirms, less points that it contradicts, as a share of all, as the capture is read.
     pub claimed_score: f64,
 }
 
@@ -142,7 +142,7 @@ pub(super) fn decide(comparison: &Comparison, scored: &[Scored]) -> Finding {
     })))
 }
 
-/// Of the readings that fit about as well as the best, the one that changes the least of what was claimed.
+/// The reading that changes the least of what was claimed, among those that fit about as well as the best.
 fn chosen(comparison: &Comparison, scored: &[Scored], best: f64) -> Scored {
     let claimed = &comparison.claimed;
     let changes = |s: &Scored| {

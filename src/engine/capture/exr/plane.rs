@@ -9,9 +9,9 @@ use half::slice::HalfFloatSliceExt;
 /// One channel, row-major over the asked-for window; NaN where the file's data window does not reach.
 #[derive(Clone, Debug)]
 pub enum ChannelPlane {
-    /// Of a channel of half floats.
+    /// A channel of half floats.
     Half(Vec<f16>),
-    /// Of a channel of floats or whole numbers.
+    /// A channel of floats or whole numbers.
     Single(Vec<f32>),
 }
 

@@ -25,12 +25,12 @@ pub(crate) enum Primaries {
 }
 
 impl Primaries {
-    /// Of an OpenEXR header.
+    /// From an OpenEXR header.
     pub(crate) fn of_header(Chromaticities { red, green, blue, white }: Chromaticities) -> Self {
         Self::of([red, green, blue, white].map(|place| [place.0, place.1]))
     }
 
-    /// Of the chromaticities x, y of red, green, blue and white. Colors are adapted to the white of Rec.709 (Bradford), as are those of
+    /// From the chromaticities x, y of red, green, blue and white. Colors are adapted to the white of Rec.709 (Bradford), as are those of
     /// every profile; CIE XYZ is taken as it is.
     pub(crate) fn of(places: [[f32; 2]; 4]) -> Self {
         let is_near = |[a, b]: [f32; 2], [x, y]: [f32; 2]| {

@@ -39,8 +39,7 @@ impl Inflater {
         }
     }
 
-    /// The pixels of a block that ZIP packed; `None` for others, and for those that would not have got shorter and are stored as
-    /// they are.
+    /// The pixels of a block that ZIP packed; `None` for a block that is stored as it is, or packed otherwise.
     fn unzip(&mut self, chunk: &Chunk, meta: &MetaData) -> Result<Option<UncompressedBlock>> {
         let header = meta.headers.get(chunk.layer_index).filter(|header| is_zipped(header));
         let Some((header, zipped)) = header.zip(packed_bytes(&chunk.compressed_block)) else {

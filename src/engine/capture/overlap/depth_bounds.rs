@@ -11,7 +11,7 @@ const BLOCK: usize = 64;
 pub struct DepthBounds {
     width: usize,
     height: usize,
-    /// Of all samples.
+    /// Bounds of all samples.
     whole: [f32; 2],
     /// Row by row; the smallest is larger where there is no sample.
     blocks: Vec<[f32; 2]>,
@@ -39,7 +39,7 @@ impl DepthBounds {
         Self { width, height, whole: union(&blocks), blocks }
     }
 
-    /// The same if each depth may be off by a share of it, less than 1.
+    /// These bounds if each depth may be off by a share of it, less than 1.
     pub(crate) fn blurred(&self, share: f32) -> Self {
         let blur = |[smallest, largest]: [f32; 2]| [smallest / (1.0 + share), largest / (1.0 - share)];
         let is_any = |block: &[f32; 2]| block[0] <= block[1];

@@ -40,8 +40,8 @@ impl Neighbors {
         others.iter().map(|other| self.between(*other, view)).fold(f64::INFINITY, f64::min)
     }
 
-    /// All views in groups. The first begins at an end, each other one at the view nearest to those before it. Of the views that are left,
-    /// those nearest to that one come first: a group takes as many of them as `take` says, one at least.
+    /// All views in groups. The first begins at an end, each other one at the view nearest to those before it. The nearest
+    /// views that are left come first: a group takes as many of them as `take` says, one at least.
     pub(crate) fn groups(&self, mut take: impl FnMut(&[usize]) -> usize) -> Vec<Vec<usize>> {
         let all = 0..self.of_view.len();
         // How far each view that is left is from all groups so far.

@@ -1,4 +1,4 @@
-//! Pairs of views by how much of one the other sees, and pairs of views of which nothing is known.
+//! Pairs of views: by how much of one the other sees, or where nothing is known.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -29,8 +29,8 @@ pub(crate) fn share_seen(
     f64::from(seen) / f64::from(all.max(1))
 }
 
-/// The pairs of source and target that overlap, by the share that the target sees of the source. Of many views each is paired with some
-/// that see most of it and some that see less, so that all hang together.
+/// The pairs of source and target that overlap, by the share that the target sees of the source. Where views are many, each is paired
+/// with some that see most of it and some that see less, so that all hang together.
 pub(crate) fn pairs_by_share(views: usize, share: impl Fn(usize, usize) -> f64 + Sync) -> Vec<[usize; 2]> {
     let most = if views <= FEW { views } else { MOST_TARGETS };
     let of_source = |source: usize| {
@@ -56,7 +56,7 @@ pub(crate) fn pairs_by_share(views: usize, share: impl Fn(usize, usize) -> f64 +
     pairs.into_iter().flatten().collect()
 }
 
-/// The most pairs of views of which nothing is known.
+/// The most pairs where nothing is known of the views.
 const MOST_PAIRS: usize = 16;
 
 /// Pairs of views where poses and depth may be misread, so that no overlap is known: all pairs of a few views; otherwise pairs at

@@ -42,7 +42,7 @@ fn refused(place: &str, why: &str) -> Error {
 }
 
 impl ColorTag {
-    /// Of an ICC profile; `None` where it is sRGB.
+    /// Reads an ICC profile; `None` where it is sRGB.
     ///
     /// # Errors
     /// `Unsupported` for a profile that is damaged, or of other colors than gray and RGB.
@@ -72,7 +72,7 @@ impl ColorTag {
             .map_err(|error| refused(place, &error.to_string()))
     }
 
-    /// Of curves and a matrix; `None` where both are those of sRGB.
+    /// From curves and a matrix; `None` where both are those of sRGB.
     fn of_curves(curves: [&ToneReprCurve; 3], matrix: DMat3, place: &str) -> Result<Option<Self>> {
         let mut sampled = [const { Vec::new() }; 3];
         for (sampled, curve) in sampled.iter_mut().zip(curves) {
@@ -91,7 +91,7 @@ impl ColorTag {
         Ok((!is_own).then_some(Self::Curves(sampled, matrix)))
     }
 
-    /// Of the chunks of a PNG; `None` where they say that it is sRGB, or nothing.
+    /// Reads the chunks of a PNG; `None` where they say that it is sRGB, or nothing.
     ///
     /// # Errors
     /// `Unsupported` for transfer curves of high dynamic range, and for a profile that cannot be converted.
@@ -125,7 +125,7 @@ impl ColorTag {
         }
     }
 
-    /// Of H.273's numbers for primaries and transfer curve.
+    /// From H.273's numbers for primaries and transfer curve.
     fn of_code_points(primaries: u8, transfer: u8, place: &str) -> Result<Option<Self>> {
         let unknown = |_| refused(place, &format!("cICP {primaries}, {transfer} is not known"));
         let color_primaries = CicpColorPrimaries::try_from(primaries).map_err(unknown)?;

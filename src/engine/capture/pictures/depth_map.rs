@@ -28,8 +28,8 @@ pub(crate) struct DepthMap {
 }
 
 impl DepthMap {
-    /// Reads depth from any format but `OpenEXR`. Of PNG, 8 bits of gray (or of three equal channels) are enough where values are
-    /// `levels` between two planes.
+    /// Reads depth from any format but `OpenEXR`. A PNG of 8 bits of gray (or of three equal channels) is enough where values are `levels`
+    /// between two planes.
     ///
     /// # Errors
     /// `Io`, `Invalid`, `Unsupported`: a file that is missing, damaged, or holds something else.

@@ -155,7 +155,7 @@ fn stored_size(path: &Path, place: &str) -> Result<((usize, usize), Orientation)
     Ok(((width as usize, height as usize), tag))
 }
 
-/// Columns and rows of a picture whose camera is not known: of the rows that are meant, of which the size of what lies beside it may tell.
+/// Columns and rows of a picture whose camera is not known, once it is upright: files beside it may tell which way that is.
 ///
 /// # Errors
 /// `Io`, and `Invalid` for a damaged header, and where a tag turns the picture and nothing tells which rows are meant.
@@ -202,7 +202,7 @@ fn raster_color(path: &Path, place: &str, is_linear: bool) -> Result<ColorAndAlp
     Ok((color, alpha))
 }
 
-/// Color and alpha of a TIFF picture, of which gray is all three colors.
+/// Color and alpha of a TIFF picture; gray becomes all three colors.
 fn tiff_color(picture: TiffSamples, is_linear: Option<bool>) -> ColorAndAlpha {
     let has_alpha = picture.has_alpha();
     let TiffSamples { channels, values, whole_up_to, .. } = picture;
@@ -222,13 +222,13 @@ fn tiff_color(picture: TiffSamples, is_linear: Option<bool>) -> ColorAndAlpha {
 pub(crate) fn gray(path: &Path, place: &str) -> Result<((usize, usize), Vec<u8>)> {
     if format_of(path, place)? == PictureFormat::Tiff {
         let TiffSamples { size, channels, values, .. } = TiffSamples::read(path, place)?;
-        // Of masks and confidence the numbers count, and not what share they are of the largest.
+        // Masks and confidence are numbers, not shares of the largest.
         let gray = values.into_iter().step_by(channels).map(|value| value.ceil().clamp(0.0, 255.0) as u8);
         return Ok((size, gray.collect()));
     }
     let picture = decode_any(path, place)?;
     let gray = match picture {
-        // Of whole numbers in 16 bits the low byte counts: confidence is 0, 1 or 2.
+        // The low byte of 16 bits counts: confidence is 0, 1 or 2.
         DynamicImage::ImageLuma16(gray) if gray.pixels().all(|pixel| pixel.0[0] < 256) => {
             let size = (gray.width() as usize, gray.height() as usize);
             return Ok((size, gray.pixels().map(|pixel| pixel.0[0] as u8).collect()));

@@ -55,7 +55,7 @@ impl Reader for Colmap {
     fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
         let found = models(place);
         let with_depth = found.iter().filter(|it| place.join(&it.depth_maps()).is_dir());
-        // Of several reconstructions the one with the most images' worth of bytes; of equal ones the first.
+        // The reconstruction with the most images' worth of bytes; the first of equal ones.
         let size = |it: &&ColmapWorkspace| {
             let images = ["images.bin", "images.txt"].map(|name| place.join(&format!("{}{name}", it.model)));
             images.iter().find_map(|path| path.metadata().ok()).map_or(0, |data| data.len())

@@ -74,7 +74,7 @@ impl Reader for EasyMocap {
 fn matrices(path: &Path) -> Result<BTreeMap<String, Vec<f64>>> {
     let file = TextFile::read(path)?;
     let mut found = BTreeMap::new();
-    // Of the matrix that was begun last: its name, its first line, and its numbers as far as they were read.
+    // The matrix that was begun last: its name, its first line, and its numbers as far as they were read.
     let mut open: Option<(String, usize, Option<String>)> = None;
     let wrong = |line: usize, what: String| Error::invalid(format!("{}, line {line}", path.display()), what);
     let endless = |(name, line, _): &(String, usize, Option<String>)| {

@@ -87,7 +87,7 @@ impl CoveredSet for Fineness<'_> {
     }
 }
 
-/// Views by what each adds to those before, and the share of everything that is shown then.
+/// Views in the order of what each adds, and the share of everything that is shown with it.
 fn choose(shown: &[Vec<u8>], most: usize) -> Vec<(usize, f64)> {
     let points = shown.first().map_or(0, Vec::len);
     let finest = |point: usize| shown.iter().map(|view| u64::from(view[point])).max().unwrap_or(0);

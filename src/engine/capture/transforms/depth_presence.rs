@@ -7,7 +7,7 @@ use super::source::FileSource;
 use crate::capture::parts::Capture;
 use crate::error::{Error, Result};
 
-/// Refuses a capture of which not one pixel lies at a distance. As a rule one picture is decoded, which stays in the cache.
+/// Refuses a capture without a pixel at a distance. As a rule one picture is decoded, which stays in the cache.
 ///
 /// # Errors
 /// `Invalid` with the likeliest cause, or that of the first picture that cannot be read.

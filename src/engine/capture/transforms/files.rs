@@ -297,8 +297,8 @@ fn are_rec_709(color_space: &str) -> bool {
     ["srgb", "709", "raw"].iter().any(|known| lower.contains(known))
 }
 
-/// The path of a picture that a manifest names; manifests from Windows may have `\\` where others have `/`. Of several that a name
-/// without extension may mean, those that are known to be `others` come last.
+/// The path of a picture that a manifest names; manifests from Windows may have `\\` where others have `/`. A name without extension may
+/// mean several: `others` come last.
 pub(crate) fn picture_path(folder: &Path, name: &str, others: &[&Path]) -> PathBuf {
     let path = with_extension(folder.join(name), others);
     if path.is_file() || !name.contains('\\') {

@@ -11,8 +11,8 @@ use crate::capture::exr::{DepthKind, ExrFile, Primaries};
 use crate::capture::pictures::{self, PictureFormat, PictureRows, format_of};
 use crate::error::{Error, Result};
 
-/// Columns and rows of a picture, from its header. Of one that a tag turns, those of the rows that are meant: `rows` says which, or the
-/// file of depth beside it has them.
+/// Columns and rows of a picture, from its header. Where a tag turns the picture, `rows` says which rows are meant, or the file of depth
+/// beside it does.
 pub(crate) fn picture_size(
     path: &Path,
     rows: Option<PictureRows>,

@@ -28,7 +28,7 @@ pub(super) struct Fault {
 /// A manifest whose pictures all have a possible pose.
 pub(super) struct Posed {
     pub manifest: Manifest,
-    /// Of each picture of it, what is wrong with its own pose: it has that of another picture of its camera.
+    /// What is wrong with the pose of each of its pictures, which has that of another picture of its camera.
     pub faults: Vec<Option<Fault>>,
     /// Those that are not in it.
     pub skipped: Vec<Skipped>,

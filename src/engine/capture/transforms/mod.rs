@@ -110,7 +110,7 @@ pub(crate) fn capture_of(
         .map_err(|error| mirrored(manifest.clone(), origin, settings).unwrap_or(error))
 }
 
-/// Of a manifest all of whose poses mirror, the error that names the axes that fit.
+/// The error that names the axes that fit, where all poses of a manifest mirror.
 fn mirrored(mut manifest: Manifest, origin: &ManifestOrigin, settings: &CaptureSettings) -> Option<Error> {
     let is_open = manifest.keys.camera_axes.is_none()
         && manifest.frames.iter().all(|entry| entry.keys.camera_axes.is_none());

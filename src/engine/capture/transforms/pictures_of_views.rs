@@ -143,7 +143,7 @@ mod tests {
         std::fs::write(folder.join(MANIFEST_NAME), text).unwrap();
     }
 
-    /// Of each view the gray of its picture, encoded, or the trouble.
+    /// The gray of each view's picture, encoded, or the trouble.
     fn grays(found: &OtherPictures) -> Vec<Result<u8, String>> {
         let gray = |load: &TruthLoader| {
             let linear = load().unwrap().color[(0, 0)][0].to_f32();

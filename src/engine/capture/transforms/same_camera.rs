@@ -102,7 +102,7 @@ pub(super) fn turned_by_degrees(a: &Camera, b: &Camera) -> f64 {
 }
 
 fn lens_differences(a: &Intrinsics, b: &Intrinsics) -> [f64; 4] {
-    // Of orthographic cameras by what they move at the edges of the picture: pixels per unit may be of any size.
+    // Orthographic cameras are compared by what they move at the edges of the picture: pixels per unit may be of any size.
     let [by_x, by_y] = match a.projection {
         Projection::Perspective => [1.0, 1.0],
         Projection::Orthographic => [f64::from(a.width) / a.fx, f64::from(a.height) / a.fy],

@@ -12,8 +12,8 @@ use crate::edits::seen::ImageMarks;
 use crate::error::Result;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};
 
-/// The marks of a region, grown by some footprints (`grows`) or shrunk. `inside` are the marks of the region as it is. Of what it grows
-/// from, or shrinks by, all points are held in memory.
+/// The marks of a region, grown by some footprints (`grows`) or shrunk. `inside` are the marks of the region as it is. All points
+/// that it grows from, or shrinks by, are held in memory.
 pub(super) fn grown(
     images: &ImageBuffer,
     outline: &SampleSet,

@@ -54,7 +54,7 @@ impl Node {
 #[derive(Debug, Default)]
 pub(super) struct PointTree {
     points: Vec<Point>,
-    /// Of the root at 0; the children of node `n` are `2n + 1` and `2n + 2`.
+    /// The root is at 0; the children of node `n` are `2n + 1` and `2n + 2`.
     nodes: Vec<Node>,
     /// Levels below the root.
     depth: u32,
@@ -99,8 +99,8 @@ impl PointTree {
         })
     }
 
-    /// Calls `found` for the places of all points that lie within `reach` of `at`, and of those that reach it themselves, as long as it
-    /// gives true. Only nodes that `enters` are looked into.
+    /// Calls `found` with each point within `reach` of `at`, or whose own reach holds `at`, until it gives false. Only nodes that `enters`
+    /// are looked into.
     pub(super) fn for_each_near(
         &self,
         at: [f32; 3],

@@ -229,7 +229,7 @@ impl<'a> Flood<'a> {
         }
     }
 
-    /// The normal at a point, by the plane through those that it reaches where none is given.
+    /// The normal at a point: where none is given, that of the plane through the points that it reaches.
     fn facing_of(&mut self, place: usize) -> Facing {
         if matches!(self.facing[place], Facing::Unknown) {
             self.facing[place] = self.plane_at(place);

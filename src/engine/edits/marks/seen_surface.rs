@@ -30,7 +30,7 @@ const WIDEST: f64 = 16.0;
 pub(super) struct SeenSurface<'a> {
     lens: Intrinsics,
     camera_from_world: DAffine3,
-    /// The camera of the picture, where it is one of those that samples are of.
+    /// The camera of the picture, where it has samples.
     own: Option<&'a Camera>,
     area: DrawnArea,
     depth: Option<[f64; 2]>,

@@ -270,7 +270,7 @@ impl<'a> Consensus<'a> {
         (inverse_depth > 0.0 && layer.level[pixel] <= self.level).then_some(inverse_depth)
     }
 
-    /// The same, smoothed.
+    /// That inverse depth, smoothed.
     #[inline(always)]
     fn smooth_at(&self, camera: usize, at: [usize; 2]) -> Option<f32> {
         self.inverse_depth_at(camera, at).map(|_| self.smooth.at(self.layers, camera, at))

@@ -116,8 +116,8 @@ impl NoiseLattice {
         Self { runs, differences: Vec::new() }
     }
 
-    /// Adds the differences from what some other cameras show, among which are those that are asked and whose layers are there. The
-    /// samples are those of `camera`.
+    /// Adds the differences of the samples of `camera` from what some other cameras show: those that are asked and whose layers are
+    /// there.
     pub(crate) fn compare(
         &mut self,
         pairs: &OverlapGraph<'_>,

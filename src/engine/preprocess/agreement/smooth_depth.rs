@@ -40,7 +40,7 @@ pub(crate) struct SmoothDepths {
 }
 
 impl SmoothDepths {
-    /// Of the samples of a level and of those above.
+    /// For the samples of a level and of those above.
     pub(crate) fn new(pairs: &OverlapGraph<'_>, level: SpanLevel) -> Self {
         let side = |camera: usize| {
             let own = pairs.registration(camera, camera);

@@ -52,7 +52,7 @@ impl VoteCounts {
         self
     }
 
-    /// Whether the cameras that look past the sample outnumber those that confirm it by `margin`. Its own camera is one of these.
+    /// Whether by `margin` more cameras look past the sample than confirm it. Its own camera is one of these.
     /// For a flying pixel the own camera counts among those that look past it, since it saw what is in front and what is behind.
     #[must_use]
     pub fn contradict(self, margin: u32, is_flying: bool) -> bool {

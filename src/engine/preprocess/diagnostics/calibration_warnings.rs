@@ -65,8 +65,8 @@ impl SharedWarning {
 /// stay below a tenth in all but one or two pairs; a camera that is turned by half a pixel reaches a third in all.
 const SUSPECT_POSE_FOOTPRINTS: f32 = 0.25;
 
-/// Where the median distance of the two cameras that fit best stays below this, in footprints, surfaces agree, and what most of the
-/// samples do not exceed is that of silhouettes: they are more than a sixth of a small round thing.
+/// Surfaces agree where the median distance of the two cameras that fit best stays below this, in footprints. What most samples do not
+/// exceed is then the distance of silhouettes, more than a sixth of a small round thing.
 const AGREEING_MEDIAN_FOOTPRINTS: f32 = 0.03;
 
 /// A clock is suspect only if the median distance of what moves exceeds this, in footprints: of moving things silhouettes are a large part, and are off in correct captures too.

@@ -67,10 +67,10 @@ pub struct Residual {
 /// How one camera's samples fit what another saw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PairResiduals {
-    /// Of samples that are the same over all frames: large where a pose is wrong. `None` where too few are seen by both.
+    /// Residual of samples that are the same over all frames: large where a pose is wrong. `None` where too few are seen by both.
     pub lasting: Option<Residual>,
-    /// Of what is nearer or farther than some frames before: large while `lasting` is small where clocks differ. `None` where too
-    /// few are seen by both.
+    /// Residual of what is nearer or farther than some frames before: where clocks differ it is large and `lasting` small. `None` where
+    /// too few are seen by both.
     pub moving: Option<Residual>,
     /// Samples at some distance that are the same over all frames and were looked for, where no pair at all can be compared.
     #[serde(default, skip_serializing_if = "is_none")]
@@ -178,8 +178,8 @@ impl<'a> Residuals<'a> {
         noted.collect()
     }
 
-    /// Compares samples of some cameras with what some others saw, whose layers are there. Of `kind` 0 are samples of all frames, of 1
-    /// things that moved.
+    /// Compares samples of some cameras with what some others saw, whose layers are there. `kind` 0 is samples of all frames, 1 is things
+    /// that moved.
     pub(crate) fn compare(
         &mut self,
         kind: usize,
@@ -283,7 +283,7 @@ impl LatticeRuns {
         Self::of(layer, lattice(layer, asked_of_each(cameras)).map(block))
     }
 
-    /// Of blocks, by column, row and lanes.
+    /// The runs of blocks, by column, row and lanes.
     fn of(layer: &CameraLayer, blocks: impl Iterator<Item = (usize, usize, u32)>) -> Self {
         let run = |(column, row, lanes)| (PixelRun::new(layer, column, row, lanes), lanes);
         Self(blocks.filter(|(.., lanes)| *lanes != 0).map(run).collect())

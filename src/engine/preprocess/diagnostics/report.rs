@@ -120,14 +120,14 @@ pub struct Report {
     /// Samples dropped, per rule; `static` counts the repetitions that a sample of several frames
     /// represents.
     pub pruned: BTreeMap<String, u64>,
-    /// `(loser, winner)`: samples of camera `loser` that were dropped for a sample of camera `winner`. Of more than 32 cameras each has
-    /// those winners alone that replace most of it.
+    /// `(loser, winner)`: samples of camera `loser` that were dropped for a sample of camera `winner`. With more than 32 cameras, each
+    /// has only the winners that replace most of it.
     pub witnesses: PairTable<u64>,
     /// Per camera, samples that were dropped for a camera that `witnesses` leaves out; empty if it leaves out none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub witnesses_left_out: Vec<u64>,
-    /// `(a, b)`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself. Of more than 32 cameras each is
-    /// compared with some that may see the same, spread over them.
+    /// `(a, b)`: how well the samples of camera `a` fit what camera `b` saw; nothing of a camera itself. With more than 32 cameras,
+    /// each is compared with some that may see the same, spread over them.
     pub residuals: PairTable<PairResiduals>,
     /// What the rig got wrong and was mended; `None` where nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -138,8 +138,8 @@ pub struct Report {
     /// The reading of depth that brings samples far closer together, if the number of agreeing samples does not show it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub better_reading: Option<DepthReading>,
-    /// Mixed pixels, with a color blended across a silhouette or a depth between its sides, and what became of them. Of those `found`
-    /// some `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or `kept`. None are
+    /// Mixed pixels, with a color blended across a silhouette or a depth between its sides, and what became of them. Those `found`
+    /// `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or `kept`. None are
     /// found if the settings keep mixed pixels or the first camera wins. Blended ones are found only if the capture's color is filtered,
     /// flying ones only with agreement, and neither if their neighbors live in shorter spans.
     pub mixed_pixels: BTreeMap<String, u64>,

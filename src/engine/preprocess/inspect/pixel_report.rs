@@ -36,18 +36,18 @@ pub struct CameraEvidence {
     pub color_difference_steps: f64,
     /// The paper's `r` of the pixel against this camera's: below 1 where the pixel is sampled more densely.
     pub paper_r: f64,
-    /// The same by footprints, which know focal length and resolution: their longest sides where these decide, else their areas.
+    /// The ratio by footprints, which know focal length and resolution: their longest sides where these decide, else their areas.
     pub footprint_r: f64,
     /// Whether the sample found there is a mixed pixel, so that it yields to clean ones, however dense.
     pub is_mixed: bool,
-    /// Whether the normal found there is not known, so that the sample yields to those whose is.
+    /// Whether the normal found there is not known: the sample yields to samples whose normal is.
     pub is_unsure: bool,
     /// What became of the pixel found there; `None` outside the picture.
     pub verdict: Option<Verdict>,
 }
 
 impl CameraEvidence {
-    /// Of a camera in which nothing was looked up.
+    /// The row of a camera in which nothing was looked up.
     pub(super) fn not_found(camera: usize) -> Self {
         Self {
             camera,
@@ -109,8 +109,8 @@ pub struct PixelExplanation {
     pub winner: Option<usize>,
     /// One per camera, in the capture's order; empty where the pixel has no depth.
     pub evidence: Vec<CameraEvidence>,
-    /// From the pixel to the sample that represents it. Where the coverage rule kept it: through the better sample
-    /// that was dropped, to the one which that was dropped for.
+    /// From the pixel to the sample that represents it. Where the coverage rule kept it, the chain passes the better
+    /// sample, which was dropped, to the sample that this one was dropped for.
     pub chain: Vec<ChainLink>,
 }
 

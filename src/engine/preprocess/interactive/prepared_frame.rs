@@ -27,7 +27,7 @@ pub struct FrameLayers {
     pub(crate) path: Vec<Span>,
     /// Every sample at the frame, per camera.
     pub layers: Arc<Vec<CameraLayer>>,
-    /// The same for display, per camera.
+    /// The layers for display, per camera.
     pub(crate) planes: Vec<CameraPlanes>,
     lists: Mutex<CachedLists>,
 }

@@ -103,7 +103,7 @@ impl ReplayContext<'_> {
             .load(Ordering::Relaxed)
     }
 
-    /// The best candidate of every sample of a band; resolves those whose candidate is surely kept, or who have none.
+    /// The best candidate of every sample of a band; decides samples without one, or whose candidate is surely kept.
     fn find_best(&self, band: &mut ReplayBand<'_>) {
         let layer = &self.layers[band.camera];
         let (lists, columns) = (self.lists(band), layer.width.div_ceil(LANES));

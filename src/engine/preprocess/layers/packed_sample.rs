@@ -24,7 +24,7 @@ pub(super) const UNKNOWN_NORMAL: u32 = 1 << 30;
 /// Set beside [`MIXED`] in the rank of a sample at infinity whose color is blended with what is before it.
 pub(super) const BLENDED_SKY: u32 = 1 << 29;
 
-/// Whether a rank is that of a sample of the sky whose color is blended with what is before it.
+/// Whether a rank is of a sky sample whose color is blended with what is before it.
 #[inline(always)]
 pub(crate) fn is_blended_sky(rank: u32) -> bool {
     rank & BLENDED_SKY != 0

@@ -5,10 +5,10 @@
 //! frames, whose median is blind to the few pixels that really move:
 //! `σ = median |x(t+1) − x(t)| / (√2 · 0.6745)` for a normal distribution.
 //!
-//! Light that moves changes many pixels, but neighbors alike; noise does not. Of the relative changes of color `d` in a row
-//! of pixels, only `d(i−2) − 2d(i) + d(i+2)` counts, which is √6 times as wide as that of `d(i)` where they are independent
-//! and 0 where they grow evenly, whatever pattern the surface has. Of relative changes of depth the same: a surface that comes
-//! nearer changes evenly. Patterns that move are detected in `block_motion.rs`.
+//! Light that moves changes neighbors alike; noise does not. The second difference `d(i−2) − 2d(i) + d(i+2)` of the relative
+//! changes `d` of color along a row is what counts. It is √6 times as wide as `d` where pixels change independently, and 0 where
+//! change grows evenly, whatever the pattern of the surface. Depth is treated alike: a surface that comes nearer changes
+//! evenly. Patterns that move are detected in `block_motion.rs`.
 //!
 //! Source: the median absolute deviation (Hampel 1974) of first differences; second differences in space are those of
 //! Immerkær, *Fast Noise Variance Estimation*, CVIU 1996.
@@ -95,7 +95,7 @@ pub(crate) fn brightness_bin(steps: f32) -> usize {
 struct NoiseMeter {
     color: Vec<u64>,
     depth: Vec<u64>,
-    /// Pixels that were looked at for a change of color, and those that had one.
+    /// Pixels that were looked at for a change of color, and pixels that had one.
     looked_at: u64,
     redrawn: u64,
 }

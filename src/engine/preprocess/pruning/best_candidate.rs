@@ -32,7 +32,7 @@ pub(crate) struct ColumnBounds {
 }
 
 impl ColumnBounds {
-    /// Of no samples yet, in a picture with this many columns.
+    /// Holds no sample yet; the picture has this many columns.
     pub(crate) fn new(width: usize) -> Self {
         Self { width, bounds: vec![[f32::INFINITY, 0.0]; width.div_ceil(LANES)] }
     }
@@ -99,7 +99,7 @@ pub(crate) struct UndecidedRun {
     pub(crate) best: BestCandidates,
 }
 
-/// Where the samples of a run lie in another camera's picture, and for which of them what that camera saw matters.
+/// Where the samples of a run lie in another camera's picture, and which of them depend on what it saw.
 pub(crate) struct ComparedRun {
     reprojected: ReprojectedRun,
     relevant: [u32; LANES],

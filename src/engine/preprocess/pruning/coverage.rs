@@ -76,8 +76,8 @@ pub(crate) fn settle_all(pass: &PruningPass<'_>, cameras: &mut [Unsettled<'_>], 
     }
 }
 
-/// Drops every sample whose best candidate is kept, and those that others contradict; gives the others that are not decided to `wait`,
-/// by their place among `pixels`.
+/// Drops samples whose best candidate is kept and samples that others contradict; the undecided rest goes to `wait`, by its place among
+/// `pixels`.
 fn resolve(
     pass: &PruningPass<'_>,
     camera: usize,
@@ -312,7 +312,7 @@ impl Prepared {
         self.waiting.sort_unstable_by_key(|sample| sample.index);
     }
 
-    /// Decides the samples of `camera` as far as possible, and keeps those that wait.
+    /// Decides the samples of `camera` as far as possible, and keeps the rest waiting.
     pub(crate) fn settle(&mut self, pass: &PruningPass<'_>, camera: usize, decided: &mut LevelVerdicts) {
         let mut left = Self::default();
         for prepared in std::mem::take(&mut self.waiting) {
@@ -339,7 +339,7 @@ impl Prepared {
 }
 
 /// The candidates of a sample in the layers of some other cameras that are not dropped, the best first. Whether a pixel is better is known
-/// at once, whether it shows the same surface takes long: that is only asked of those that are taken.
+/// at once; whether it shows the same surface takes long, and is only asked of candidates that are taken.
 #[inline(always)]
 fn candidates<'a>(
     pass: &'a PruningPass<'_>,

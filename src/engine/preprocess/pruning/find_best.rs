@@ -242,7 +242,7 @@ fn is_asked(pass: &PruningPass<'_>, band: &SearchBand<'_>, index: usize) -> bool
         && pass.status(band.camera, band.samples.pixels[band.first + index]) != DROPPED
 }
 
-/// Notes which samples of a band are thin among those that other cameras are to vote on. The layer of the band's camera is there.
+/// Notes which samples of a band are thin, if other cameras are to vote on them. The layer of the band's camera is there.
 pub(super) fn find_thin(pass: &PruningPass<'_>, band: &mut SearchBand<'_>) {
     let own = pass.pairs.registration(band.camera, band.camera);
     for index in 0..band.verdicts.len() {

@@ -168,7 +168,7 @@ pub(crate) fn find(
     each_band(searches, job, |band| simd::run(FindBest { pass, band, is_first }))
 }
 
-/// Finds out which samples without a candidate are thin, which their votes depend on, for cameras whose own layers are there.
+/// Finds thin samples among those without a candidate, for cameras whose own layers are there: votes depend on it.
 ///
 /// # Errors
 /// `Cancelled`.

@@ -27,8 +27,8 @@ pub(super) struct ColorNoise<'a, const N: usize> {
 }
 
 impl<const N: usize> ColorNoise<'_, N> {
-    /// Grants what the measured noise of both explains to colors that differ by more than the tolerance, and, where `MEASURING`, to
-    /// the tolerance that each sample requires.
+    /// Where colors differ by more than the tolerance, adds what the measured noise of both explains; where `MEASURING`, adds it to the
+    /// tolerance that each sample requires.
     #[cold]
     #[inline(never)]
     pub(super) fn grant<const MEASURING: bool>(

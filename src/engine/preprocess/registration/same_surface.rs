@@ -10,8 +10,8 @@
 //! |n·(q wₜ − rayₜ w)| ≤ τ max(s wₜ, sₜ w) + step wₜ + stepₜ w
 //! ```
 //!
-//! Of an orthographic camera `s` is the side of a pixel at any depth, in place of `s/w`, and a pixel's place in the picture plane moved
-//! by the depth along the z axis, in place of `ray/w`.
+//! For an orthographic camera, the side of a pixel at any depth stands in place of `s/w`, and a pixel's place in the picture plane,
+//! moved by the depth along the z axis, in place of `ray/w`.
 //!
 //! `step` is what depths are rounded by. Where depth is noisy, a multiple of both samples' standard deviations is added to it.
 

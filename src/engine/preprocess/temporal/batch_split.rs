@@ -123,7 +123,7 @@ impl ShortSpans {
         Self { given, nodes, ranges, waiting: [0; LANES], waiting_count: 0 }
     }
 
-    /// Of no frames.
+    /// The split of no frames.
     pub(crate) fn none() -> Self {
         let (given, nodes, ranges) = (Vec::new(), Vec::new(), Vec::new());
         Self { given, nodes, ranges, waiting: [0; LANES], waiting_count: 0 }

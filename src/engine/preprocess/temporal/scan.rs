@@ -184,7 +184,7 @@ pub(crate) fn preview(
     Ok(Preview::of(capture, camera, settings, job)?.found)
 }
 
-/// The same with the frames that were looked at.
+/// A scan with the frames that were looked at.
 struct Preview {
     found: CameraPreview,
     /// By their index.
@@ -203,8 +203,8 @@ impl Preview {
         let held = frames.held;
         let found = CameraPreview {
             noise,
-            // Of whole numbers the step grows with the nearest thing there is. A tree of spans is built as frames come and
-            // goes by those that are known before.
+            // Where depth is whole numbers, the step grows with the nearest thing. A tree of spans is built as frames come, and
+            // knows the earlier ones.
             depth_step_relative: held.values().map(|frame| frame.depth_step_relative).fold(0.0, f32::max),
             normal_errors: held.get(&0).map_or_else(Vec::new, |first| {
                 compare_with_given(first, &capture.cameras[camera], &settings.normals)

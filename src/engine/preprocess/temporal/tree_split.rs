@@ -198,7 +198,7 @@ struct SplitSamples {
     short: ShortSpans,
     /// For each pair of spans in [`Batch::carry`].
     long: Vec<[SpanSamples; 2]>,
-    /// Of the span of all frames: found with the last frames.
+    /// Samples of the span of all frames, found with the last frames.
     root: SpanSamples,
     /// Pixels of a chunk that need a look of their own.
     uncertain: Vec<u16>,

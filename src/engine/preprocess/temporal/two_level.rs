@@ -25,8 +25,8 @@ use crate::settings::{SpanLevels, SpanSettings};
 /// Threshold-independent facts about one camera over all frames.
 #[derive(Debug)]
 pub struct SequenceRanges {
-    /// Smallest color over time of each channel, bits of half floats that are not below 0. Of no meaning where some frame has no
-    /// depth at the pixel.
+    /// Smallest color over time of each channel, bits of half floats that are not below 0. It has no meaning where some frame has
+    /// no depth at the pixel.
     pub low_color: Grid<[i16; 3]>,
     /// Largest color over time, likewise.
     pub high_color: Grid<[i16; 3]>,

@@ -7,7 +7,7 @@ use crate::capture::{Values, agree};
 /// Smallest and largest values, and the first ones, pixel by pixel; empty where the capture has no values.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ValueRanges {
-    /// Of a value that is missing in all frames: missing. Of one that is missing in some: everything from −∞ to ∞.
+    /// A value that is missing in all frames is missing; for one that is missing in some, the range is −∞ to ∞.
     pub(crate) low: Values,
     pub(crate) high: Values,
     pub(crate) first: Values,
@@ -23,7 +23,7 @@ fn joined([low, high]: [f32; 2], [other_low, other_high]: [f32; 2]) -> [f32; 2] 
 }
 
 impl ValueRanges {
-    /// Of the pixels of one frame.
+    /// Ranges of one frame.
     pub(super) fn of(values: Values) -> Self {
         Self { low: values.clone(), high: values.clone(), first: values }
     }

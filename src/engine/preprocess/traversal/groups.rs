@@ -21,9 +21,9 @@ pub(super) struct CameraGroup {
 
 /// What cameras take in memory, bytes.
 pub(super) struct CameraBytes<'a> {
-    /// Of each camera's layer.
+    /// Bytes of each camera's layer.
     pub(super) layers: &'a [usize],
-    /// Of each camera's samples while they are worked on.
+    /// Bytes of each camera's samples while they are worked on.
     pub(super) samples: &'a [usize],
     /// How much may be taken, unless a single camera takes more.
     pub(super) bound: usize,

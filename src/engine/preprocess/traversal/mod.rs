@@ -9,8 +9,8 @@
 //!
 //! Purpose: all cameras are compared with each other, and as layers a hundred pictures take gigabytes. Where all fit, there is one group
 //! of all cameras. Where not, layers are put together when they are needed, from the samples of each span, and given up where they take
-//! too much memory; samples and verdicts wait in temporary files. Of a recording by a camera that walks, a group is of neighbors, with
-//! all that may see their samples; where all cameras see the same, layers are held part by part ([`groups`]). One byte a pixel of every
+//! too much memory; samples and verdicts wait in temporary files. Where a camera walked, a group is neighbors and all that may see
+//! their samples; where all cameras see the same, layers are held part by part ([`groups`]). One byte a pixel of every
 //! camera is held throughout: whether its sample is kept.
 //!
 //! What is decided does not depend on the groups, nor on what is held: "better" is a total order of all samples ([`super::pruning`]).
@@ -175,7 +175,7 @@ impl SpanTraversal<'_> {
             let is_kept = self.run.contains(child.start as usize);
             let kept = is_kept.then_some((&mut self.tally, &mut self.images));
             self.pruner.prune(&put, &mut self.residuals, kept)?;
-            // Of a single frame the paper's two levels are as long as each other.
+            // With a single frame the paper's two levels are equally long.
             if child.len() < span.len() {
                 self.below(child, level + 1)?;
             }

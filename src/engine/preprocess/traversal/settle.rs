@@ -1,8 +1,8 @@
 //! Deciding the samples of a span once the best candidate of each is found.
 //!
-//! Purpose: where not all layers fit into memory, each look at the others costs reading all of their layers. So what samples wait for is
-//! looked up once, for all of them together: those whose best candidate was dropped, and those that wait for such a one. Their other
-//! candidates and the votes of the others are noted, and all that follows is decided from these notes.
+//! Purpose: where not all layers fit into memory, each look at the others costs reading all of their layers. So samples whose best
+//! candidate was dropped, and samples that wait for these, are looked up once, all together. Their other candidates and the votes of
+//! other cameras are noted, and all that follows is decided from these notes.
 //!
 //! ```text
 //! no candidate ─▶ others vote                                   (all layers once)
@@ -103,8 +103,8 @@ impl SpanStep<'_, '_> {
         Ok(())
     }
 
-    /// Goes through the layers of all that see each camera. `camera_of` says of which camera something is; `look` gets what is of some
-    /// cameras, and the cameras whose layers are there.
+    /// Goes through the layers of all that see each camera. `camera_of` gives the camera of an item; `look` gets the items of some cameras,
+    /// and the cameras whose layers are there.
     fn part_by_part<T>(
         &mut self,
         all: &mut [T],
@@ -151,7 +151,7 @@ impl SpanStep<'_, '_> {
         }
     }
 
-    /// The same where all layers are there.
+    /// Settles everything where all layers are there.
     fn settle_at_once(&mut self) -> Result<()> {
         let cameras: Vec<usize> = (0..self.put.counts.len()).collect();
         let samples = self.samples(&cameras)?;

@@ -47,7 +47,7 @@ fn reach_px(width: usize) -> usize {
 }
 
 impl FillingsAround {
-    /// Of the fillings of each row of a picture of `width`, their columns ascending.
+    /// Sums the fillings of each row of a picture of `width`, their columns ascending.
     pub(super) fn new(rows: &[Vec<Filling>], width: usize) -> Self {
         let reach_px = reach_px(width);
         let mut sums = vec![[0.0; 6]; rows.len() * width];

@@ -26,7 +26,7 @@ pub(super) struct Pyramid {
     levels: Vec<PyramidLevel>,
 }
 
-/// A block counts fully if at least this share of it is painted; with less, the painted part may lie to one side. Of 0.12 to 1,
+/// A block counts fully if at least this share of it is painted; with less, the painted part may lie to one side. From 0.12 to 1,
 /// one half is nearest to a smooth surface, and costs the real captures nothing.
 const FULL_SHARE: f32 = 0.5;
 

@@ -124,7 +124,7 @@ fn row_before_band((x, y): (usize, usize), width: usize, direction: usize) -> Op
     Some((x, y.checked_sub(rows)?))
 }
 
-/// Steps to the end of one ray: those `within` its band or, where it leaves that, those of the band before as well.
+/// Steps to the end of one ray: `within` its band, and those of the band before where it goes on there.
 #[inline]
 fn steps_ahead(within: u16, steps: &[Steps], width: usize, from: (usize, usize), direction: usize) -> u16 {
     if within != NONE || direction == 0 {
@@ -139,7 +139,7 @@ fn steps_ahead(within: u16, steps: &[Steps], width: usize, from: (usize, usize),
 mod tests {
     use super::*;
 
-    /// The same, one step after another.
+    /// The plain search, one step after another.
     fn step_through(
         image: &[u32],
         (width, height): (usize, usize),

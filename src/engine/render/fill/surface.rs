@@ -96,7 +96,7 @@ pub(super) fn surface_behind(
         let width = if a + b < f32::INFINITY { a + b } else { 2.0 * a.min(b) };
         (width_px[direction], width_px[direction + 4]) = (width, width);
     }
-    // Of the directions that count the farthest surface and, of equally far ones, the nearest pixel.
+    // The farthest surface among the directions that count, and the nearest pixel among equally far ones.
     let (farthest, widest) = (limit * LIMIT_SLACK, MAX_WIDTH_RATIO * narrowest_px);
     let (mut counted, mut far) = ([f32::INFINITY; 8], f32::INFINITY);
     for direction in 0..8 {

@@ -58,7 +58,7 @@ impl FilmSource {
 pub struct FilmPicture {
     /// The picture, with depths from its vantage.
     pub picture: Arc<Picture>,
-    /// The same as it was rendered of these samples at this vantage.
+    /// The picture as it was rendered of these samples at this vantage.
     rendered: (Arc<Picture>, Arc<SampleSet>, Vantage),
 }
 

@@ -54,7 +54,7 @@ pub(crate) fn hidden_surface_limit(hole: f32) -> f32 {
 /// is no farther than inverse depth `w`. `fronts` are those of the picture; inverse depths that differ by no more than the factor
 /// `tolerance` belong to one surface.
 ///
-/// Returns the shown pixels whose colors may still be blended with those of samples that are no longer shown, ascending.
+/// Returns the shown pixels whose colors may be blended with samples that are no longer shown, ascending.
 pub(crate) fn mark_holes(
     picture: &mut Picture,
     fronts: &[FrontColor],

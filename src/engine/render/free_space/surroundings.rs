@@ -74,7 +74,7 @@ pub(super) struct Surroundings {
 }
 
 impl Surroundings {
-    /// Of the pixels of a picture.
+    /// From the pixels of a picture.
     #[cfg(test)]
     pub(super) fn new(picture: &Picture) -> Self {
         let mut surroundings = Self::default();

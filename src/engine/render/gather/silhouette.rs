@@ -19,11 +19,11 @@ use crate::simd::joined;
 /// nearer surface was truly there, on a rendered capture: shares understate it, as samples beside an edge agree less exactly.
 const OWN_SHARE: (f32, f32) = (0.15, 1.2);
 
-/// The same for a sub-pixel, half as wide as a pixel, over which the share changes half as much. From 9/16 on, which is the share at
-/// a quarter of a pixel from a sample beside a convex corner, it is all the nearer surface's: a camera's own picture stays.
+/// That for a sub-pixel: over half a pixel the share changes half as much. From 9/16 on, the share a quarter of a pixel from a sample
+/// beside a convex corner, all is the nearer surface's: a camera's own picture stays.
 const SUBPIXEL_SHARE: (f32, f32) = (0.1, 1.6);
 
-/// The same for a crack at a sub-pixel, which is closed if more than half of what is around it shows the nearer surface.
+/// That for a crack at a sub-pixel: it is closed if more than half of what is around it shows the nearer surface.
 const SUBPIXEL_CRACK_SHARE: (f32, f32) = (-1.3, 4.1);
 
 /// Shares of less than this are none: rounding alone must not blend.
@@ -104,7 +104,7 @@ impl EdgePixel {
         let decides = votes.total > MIN_VOTES * votes.max_weight;
         let share = decides.then(|| snapped(offset + gain * votes.agree / votes.total));
         let blend = |near, far, share| match far {
-            // Of a whole pixel no share is kept.
+            // A whole pixel keeps no share.
             0 if subpixels == 1 && share < 0.5 || share <= 0.0 => PixelSurfaces::Hole,
             0 if subpixels == 1 || share >= 1.0 => PixelSurfaces::One(near),
             far => PixelSurfaces::Two { near, far, share },
@@ -185,7 +185,7 @@ impl Patch {
             let (back, on) = (here - before, after - here);
             let least = if back.abs() < on.abs() { back } else { on };
             let is_slope = (back * on > 0.0) & (least.abs() < MAX_GROWTH * here);
-            // Of four values together, over two pixels.
+            // Four values together, over two pixels.
             if is_slope { 0.125 * least } else { 0.0 }
         };
         [growth(sum(x - 2, y), sum(x + 2, y)), growth(sum(x, y - 2), sum(x, y + 2))]

@@ -216,7 +216,7 @@ fn is_same_surface(a: u64, a_w: f32, b: u64, b_w: f32, surface_ratio: f32) -> bo
 
 /// What a pixel shows, apart from colors.
 struct ResolvedPixel {
-    /// Of the surface that takes most of it.
+    /// That of the surface that takes most of it.
     inverse_depth: f32,
     image: u32,
     /// Without a color yet.

@@ -31,9 +31,9 @@ pub(super) struct SurfaceDepth {
 /// How much of a pixel a surface takes, 0 to 1.
 #[derive(Clone, Copy)]
 pub(super) struct PixelShares {
-    /// Of the whole pixel.
+    /// For the whole pixel.
     pub(super) pixel: f32,
-    /// Of what the pixel shows in front of its farthest surface.
+    /// For what the pixel shows in front of its farthest surface.
     pub(super) front: f32,
 }
 

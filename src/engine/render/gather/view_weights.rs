@@ -231,7 +231,7 @@ impl<'a> SourceViews<'a> {
     }
 
     /// The weight of a camera for a surface whose inverse depth grows by `slope` a column and a row: the cubed sampling rate on the
-    /// surface, else as [`SourceViews::weight`]. Of the powers 2, 3 and 4 the third loses least: textures gain by more, edges by less.
+    /// surface, else as [`SourceViews::weight`]. Among the powers 2, 3 and 4, 3 loses least: textures gain by more, edges by less.
     #[inline(always)]
     fn weight_on_surface(
         &self,

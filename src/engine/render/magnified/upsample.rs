@@ -123,7 +123,7 @@ struct ShownLevel<'a> {
     level: usize,
     picture: &'a Picture,
     shown: Vec<ColorRoots>,
-    /// Of the pixels of a row.
+    /// Taps of the pixels of a row.
     across: Vec<Taps>,
 }
 
@@ -204,7 +204,7 @@ struct Taps {
 }
 
 impl Taps {
-    /// Of the pixel at a position of the picture; the level has `size` pixels, and the outermost go on beyond it.
+    /// Taps of the pixel at a position of the picture; the level has `size` pixels, and the outermost go on beyond it.
     fn new(level: usize, position: usize, size: usize) -> Self {
         let scale = (1_usize << level) as f32;
         let there = (position as f32 + 0.5) / scale - 0.5;

@@ -283,7 +283,7 @@ impl LargeFootprint<'_> {
         if at.is_core { key(nearness(at.inverse_depth, CORE | self.trust), self.slot) } else { 0 }
     }
 
-    /// The same of its fringe, which begins where the footprint ends; `reach` as [`TileRow::reach`] gives it.
+    /// That of its fringe, which begins where the footprint ends; `reach` as [`TileRow::reach`] gives it.
     #[inline(always)]
     fn fringe(&self, x: f32, y: f32, reach: [f32; 4]) -> u64 {
         let at = self.found.plane_at(self.projected, self.i, (x, y), FRINGE / CORE_REACH);

@@ -43,7 +43,7 @@ impl ValuePredictor {
         matches!(self, Self::PlaneInPicture | Self::CurvedInPicture)
     }
 
-    /// The sums that are tried, the better ones first; of the first list of which any is there, the median counts.
+    /// The sums that are tried, the better ones first; the median of the first list that has any counts.
     fn sums(self) -> &'static [[Sum; 4]] {
         match self {
             Self::Neighbor => &[],
@@ -203,7 +203,7 @@ pub(crate) fn traverse_values(
     }
 }
 
-/// The number that is expected at a pixel, and from what that was concluded.
+/// The number that is expected at a pixel, and what it was concluded from.
 fn predict(
     coding: &ChannelCoding,
     channel: usize,

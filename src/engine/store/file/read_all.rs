@@ -21,7 +21,7 @@ impl Store {
             .map(|index| chain(&self.info().images, index).map_or(0, |chain| chain.len() - 1))
             .collect();
         let mut decoded: Vec<Option<Decoded>> = vec![None; count];
-        // Those that need no other first, then those that need one of these, and so on.
+        // First images that need no other, then images that need one of these, and so on.
         for depth in 0..=depths.iter().copied().max().unwrap_or(0) {
             let ready: Vec<usize> = (0..count).filter(|index| depths[*index] == depth).collect();
             let read = ready.par_iter().map(|&index| {

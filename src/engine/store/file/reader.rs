@@ -31,7 +31,7 @@ pub struct Store {
     info: StoreInfo,
     model: FrequencyTables,
     palette: ColorRanks,
-    /// Of images that have doubtful samples.
+    /// Runs of images that have doubtful samples.
     doubtful: BTreeMap<usize, DoubtfulRuns>,
     /// Scalar values, where there are any.
     values: Option<ValueTable>,

@@ -88,7 +88,7 @@ impl ColorRanks {
             if steps <= covered_to && codes.last().is_some_and(|last| steps - steps_of(*last) <= room) {
                 continue;
             }
-            // The brightest half within reach represents the most of those that follow.
+            // The brightest half within reach represents most of the halves that follow.
             let beyond = (code..=code_of(f16::MAX)).find(|code| steps_of(*code) - steps > room);
             let entry = beyond.map_or(code_of(f16::MAX), |beyond| beyond - 1).max(code);
             covered_to = steps_of(entry) + room;

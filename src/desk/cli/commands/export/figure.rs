@@ -38,8 +38,8 @@ const THEMES: [(&str, bool); 2] = [("light", false), ("dark", true)];
 
 #[derive(Debug, Args)]
 pub(crate) struct FigureArgs {
-    /// A capture, of which a recorded picture is shown; or a store, of which a view is: 'scene.ovl#view=…&frame=…', as windows and pages
-    /// copy it, or that of a camera.
+    /// A capture, whose recorded picture is shown, or a store, whose view is: 'scene.ovl#view=…&frame=…', as windows and pages copy it, or
+    /// that of a camera.
     scene: PathBuf,
     /// The figure, as in figure.pdf: PDF, SVG or PNG by its ending.
     #[arg(long, value_name = "FILE")]

@@ -109,7 +109,7 @@ struct Film<'a> {
     file: &'a PathFile,
     /// When the camera is at each view: in seconds, frames, or views.
     keys: Vec<PathKey>,
-    /// Of the first view.
+    /// The first view's.
     lens: Intrinsics,
     /// Over the whole path.
     easing: Easing,

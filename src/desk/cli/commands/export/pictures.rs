@@ -33,7 +33,7 @@ pub(crate) struct FilmArgs {
     #[command(flatten)]
     edits: EditsArgs,
     /// The camera path: views at some frames, between which the camera moves smoothly, or every picture of a film, as the window and
-    /// nerfstudio's viewer write it. Of a scene of one frame every view is a picture.
+    /// nerfstudio's viewer write it. In a scene of one frame every view is a picture.
     #[arg(long, value_name = "TRANSFORMS")]
     path: PathBuf,
     /// Hold the scene at this frame, by its number: every view of the path is a picture of one moment.
@@ -178,7 +178,7 @@ struct ComparedSide {
     mode: FilmComparison,
     /// Pictures a second.
     rate: f64,
-    /// Of the film's store and of this one.
+    /// The names of the film's store and of this one.
     names: [String; 2],
 }
 
@@ -187,7 +187,7 @@ pub(crate) struct Film {
     pub(crate) playback: Arc<Playback>,
     pub(crate) stops: Stops,
     settings: RenderSettings,
-    /// Of films that show all directions.
+    /// Set in films that show all directions.
     pub(crate) panorama: Option<Panorama>,
     /// Width of orthographic pictures, world units.
     orthographic: Option<f64>,

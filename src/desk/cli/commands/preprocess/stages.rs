@@ -4,8 +4,8 @@
 //! F.ovl.measured ─▶ F.ovl.scan.part-K-of-N ─▶ F.ovl.spans-of-N ─▶ F.ovl.prune.part-K-of-N ─▶ F.ovl
 //! ```
 //!
-//! A part of the scan begins with length and CRC-32 of the files that its frames are read from, and the pixels that edits removed. Each file names those that it was made
-//! from, so that a picture that changes is found by the name of the part that has read it.
+//! A part of the scan begins with length and CRC-32 of the files that its frames are read from, and the pixels that edits removed. Each file names the files
+//! that it was made from: a changed picture is found by the part that read it.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -126,8 +126,8 @@ impl Stages<'_> {
         Ok(Measurement { measured, identity, corrected })
     }
 
-    /// The files of a part's frames, each once: those that are recorded as these frames, so that all parts together name every file of
-    /// the capture, and those that are read for them where a camera's frames are moved in time.
+    /// The files of a part's frames, each once: those recorded as these frames, and those read for them where a camera's frames are moved
+    /// in time. All parts together name every file of the capture.
     fn files_of(&self, measurement: &Measurement, part: Part) -> Vec<PathBuf> {
         let run = run_of_part(self.capture.frame_count(), part);
         let frames = run.start as usize..run.end as usize;

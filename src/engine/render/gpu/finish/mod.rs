@@ -49,7 +49,7 @@ pub(super) struct CardFinisher {
     frame: Option<SeenImages>,
 }
 
-/// The images of which something was found.
+/// The images with something found.
 #[derive(Debug)]
 struct SeenImages {
     samples: Arc<SampleSet>,
@@ -82,7 +82,7 @@ impl CardFinisher {
         self.frame = None;
     }
 
-    /// Forgets what was seen and the buffers that hold it, after a failure that may have left them unusable.
+    /// Forgets what was seen and its buffers, after a failure that may have left them unusable.
     pub(super) fn drop_buffers(&mut self) {
         self.forget();
         self.planes = None;
@@ -127,7 +127,7 @@ impl CardFinisher {
         Ok(())
     }
 
-    /// Finds what cameras saw, as far as it is not known from the last frame. Returns the views of those that are asked.
+    /// Finds what cameras saw, as far as it is not known from the last frame. Returns the views of the cameras asked.
     fn see(
         &mut self,
         context: &Context,

@@ -112,7 +112,7 @@ impl SeenCells {
         self.slots = None;
     }
 
-    /// Records what finds what the cameras saw that are asked from a vantage, as far as it is not known. Returns their views, the nearest
+    /// Records the work that finds what the cameras asked from a vantage saw, as far as it is not known. Returns their views, the nearest
     /// camera first.
     pub(super) fn record(
         &mut self,
