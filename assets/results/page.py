@@ -3,6 +3,9 @@ import math
 import re
 
 COMMAND = "assets/results/make.py target/release/overlook"
+# Behind the name of a capture that another program measured.
+MARK = "†"
+
 MARKS = ("<!-- Written by assets/results/make.py from here … -->", "<!-- … to here. -->")
 
 
@@ -14,27 +17,30 @@ def decibels(squared_error):
 def results_page(results):
     """The whole of RESULTS.md."""
     captures = results["captures"]
+    counted = [entry for entry in captures if is_present(results, entry)]
     return "\n".join([
         "# Results",
         "",
         "Overlook takes scenes that several cameras recorded as color and depth, drops every pixel that another one represents as well, and shows",
-        f"what is left from new viewpoints. {results['program'].capitalize()} on {len(captures)} captures, each figure from its smallest to its largest:",
+        f"what is left from new viewpoints. {results['program'].capitalize()} on {len(counted)} capture{'' if len(counted) == 1 else 's'}, each figure from its smallest to its largest:",
         "",
-        *figures(captures),
+        *figures(results),
         "",
-        *headline_table(captures),
+        *headline_table(results),
         "",
         "*Kept*: samples beside recorded pixels. *Picture*: the time of one, of the capture's own size. *dB*: over surfaces / over all that some camera",
         "saw, at viewpoints without a camera. *Ahead of*: by how many dB, ± standard error over viewpoints.",
         "",
+        *older(results),
         "## Where it loses",
         "",
-        *[f"- {sentence}" for sentence in losses(captures)],
+        *[f"- {sentence}" for sentence in losses(counted or captures)],
         "",
         "![Accuracy against bytes and against milliseconds](assets/results/pareto.png)",
         "",
         "*`orrery`: every method, ours with four kernels. Up and to the left is better.*",
         "",
+        *size_section(results),
         "## All figures",
         "",
         *words(),
@@ -43,10 +49,10 @@ def results_page(results):
         "",
         "## What each switch of the renderer gives, and what it takes",
         "",
-        "Each is changed by itself. From the least to the most of all captures: accuracy over what some camera saw against the default's, and the time of",
-        "a picture as a multiple of the default's.",
+        "Each is changed by itself. *dB*: PSNR over all pixels, holes among them, against the default's; from the least to the most of all captures.",
+        "*Time*: of a picture, as a multiple of the default's. Each switch is measured at the pictures that it is for.",
         "",
-        *switch_table(captures),
+        *switch_table(counted or captures),
         "",
         "## To repeat it",
         "",
@@ -54,14 +60,24 @@ def results_page(results):
     ]) + "\n"
 
 
-def figures(captures, link=""):
-    """The three figures that matter, one line each."""
-    entries = [ours(entry) for entry in captures]
+def is_present(results, entry):
+    """Whether the program that the page is of makes the pictures of the one that measured a capture."""
+    return entry["accuracy"]["pictures"] == results["pictures"]
+
+
+def is_timed(results, entry):
+    return entry.get("times", {}).get("pictures") == results["pictures"]
+
+
+def figures(results, link=""):
+    """The three figures that matter, one line each, of the captures that this program measured."""
+    captures = [entry for entry in results["captures"] if is_present(results, entry)]
+    timed = [entry for entry in captures if is_timed(results, entry)]
     linked = lambda text: f"[{text}]({link})" if link else text
-    seconds = span(entry["seconds_preprocess"] for entry in captures)
-    threads, painters = [listed(sorted({str(entry[key]) for entry in captures})) for key in ("threads", "painted_by")]
-    where = f"{threads} threads of the CPU" if painters == "cpu" else f"{painters} and {threads} threads"
-    dropped = [100 * (1 - one["kept"]) for one in entries]
+    if not captures:
+        yield f"- {linked('All figures')} were measured by another program, whose pictures differ."
+        return
+    dropped = [100 * (1 - ours(entry)["kept"]) for entry in captures]
     yield (
         f"- **Size:** {linked(f'{span(dropped)} % of the pixels')} are dropped. A store takes {span(shares(captures))} % of the raw bytes."
     )
@@ -69,9 +85,52 @@ def figures(captures, link=""):
         f"- **Accuracy:** {linked(against(captures, 'everything'))} against keeping all pixels, {against(captures, 'rival')} against the best rival, "
         f"{against(captures, 'paper')} against the paper's own way (PSNR at new viewpoints)."
     )
-    yield (
-        f"- **Time:** a picture takes {linked(span(one['milliseconds'] for one in entries) + ' ms')} on {where}, preparing a capture {seconds} s."
-    )
+    if timed:
+        threads, painters = [listed(sorted({str(entry["times"][key]) for entry in timed})) for key in ("threads", "painted_by")]
+        where = f"{threads} threads of the CPU" if painters == "cpu" else f"{painters} and {threads} threads"
+        took = span(milliseconds(entry, "ours") for entry in timed)
+        yield (
+            f"- **Time:** a picture takes {linked(f'{took} ms')} on {where}, preparing a capture "
+            f"{span(entry['times']['seconds_preprocess'] for entry in timed)} s."
+        )
+
+
+def milliseconds(entry, role):
+    """The median time of a picture by a method; None where it was not timed."""
+    return entry.get("times", {}).get("milliseconds", {}).get(role)
+
+
+def older(results):
+    """What the mark of a row means, where one has it."""
+    if all(is_present(results, entry) and is_timed(results, entry) for entry in results["captures"]):
+        return
+    yield f"{MARK} Measured by another program, which makes other pictures of `small_capture` than this one. The figures above leave such rows and such times out."
+    yield ""
+
+
+def named(results, entry):
+    """The name of a capture, marked where another program measured it."""
+    mark = "" if is_present(results, entry) else f" {MARK}"
+    return f"`{entry['name']}`{mark}, {shape(entry)}"
+
+
+def size_section(results):
+    """The time of pictures by their size."""
+    timed = results.get("sizes")
+    if not timed:
+        return
+    mark = "" if timed["pictures"] == results["pictures"] else f" {MARK}"
+    kernels = list(timed["rows"][0]["milliseconds"])
+    yield f"## Time by size{mark}"
+    yield ""
+    yield f"The scene of `orrery`, seen at the size at which five cameras recorded it, 6 frames. Commit `{timed['commit']}`, {timed['date']}."
+    yield ""
+    yield "| size | preparing, s | " + " | ".join(f"`{kernel}`, ms" for kernel in kernels) + " |"
+    yield "|---|---|" + "---|" * len(kernels)
+    for row in timed["rows"]:
+        cells = [row["size"], rounded(row["seconds_preprocess"])] + [rounded(row["milliseconds"][kernel]) for kernel in kernels]
+        yield "| " + " | ".join(cells) + " |"
+    yield ""
 
 
 def shares(captures):
@@ -109,23 +168,28 @@ def signed(decibel, digits=1):
     return text.replace("-", "−") if float(text) else "0"
 
 
-def headline_table(captures):
+def headline_table(results):
     yield "| capture | kept | store, of raw | picture | dB | ahead of all pixels | ahead of the best rival | ahead of the paper | commit |"
     yield "|---|---|---|---|---|---|---|---|---|"
-    for entry in captures:
+    for entry in results["captures"]:
         one, methods = ours(entry), entry["methods"]
         cells = [
-            f"`{entry['name']}`, {shape(entry)}",
+            named(results, entry),
             percent(one["kept"]),
             f"{size(one['bytes'])}, {percent(one['bytes'] / entry['bytes_raw'])}",
-            f"{one['milliseconds']:.0f} ms",
+            time_of(entry, "ours", " ms") + ("" if "times" not in entry or is_timed(results, entry) else f" {MARK}"),
             accuracy(one),
             ahead(methods["everything"]),
             ahead(methods["rival"]),
             ahead(methods["paper"]),
-            f"`{entry['commit']}`",
+            f"`{entry['accuracy']['commit']}`",
         ]
         yield "| " + " | ".join(cells) + " |"
+
+
+def time_of(entry, role, unit=""):
+    took = milliseconds(entry, role)
+    return "–" if took is None else f"{took:.0f}{unit}" if took >= 10 else f"{took:.1f}{unit}"
 
 
 def shape(entry):
@@ -167,14 +231,14 @@ def losses(captures):
         f"**Edges and holes.** Pixels within 2 px of a step in depth are {span(100 * edge['share'] for edge in edges)} % of those that show a surface, "
         f"and hold {span(100 * edge['of_error'] for edge in edges)} % of the squared error; surfaces that no camera saw are guessed, at {span(unseen)} dB."
     )
-    slower = [ours(entry)["milliseconds"] / entry["methods"]["paper"]["milliseconds"] for entry in captures]
+    slower = [milliseconds(entry, "ours") / milliseconds(entry, "paper") for entry in captures if "times" in entry]
     first = [entry["methods"]["first"] for entry in captures]
     fewer = [100 * method["bytes"] / ours(entry)["bytes"] for method, entry in zip(first, captures)]
     low, high = (signed(-value) for value in reversed(extremes(method["ours_ahead_db"] for method in first)))
     papers = [(entry["name"], entry["methods"]["paper"]["bytes"] / ours(entry)["bytes"]) for entry in captures]
     smaller = [f"{100 * share:.0f} % of ours on `{name}`" for name, share in papers if share < 0.995]
     yield (
-        f"**Time and bytes.** A picture takes {span(slower)} times as long as by the paper's way"
+        f"**Time and bytes.** {f'A picture takes {span(slower)} times as long as by' if slower else 'Times were not measured against'} the paper's way"
         f"{f', whose store is smaller at times ({listed(smaller)})' if smaller else ''}; *first camera wins* needs {span(fewer)} % of our bytes, "
         f"at {low if low == high else f'{low} to {high}'} dB."
     )
@@ -212,7 +276,7 @@ def words():
     yield "- *dB*: PSNR of pictures whose truth is known, holes of all methods filled alike. *Surfaces*: all pixels that show a surface, of all pictures"
     yield "  together. *Seen*: all pixels of what some camera saw, sky among it, the mean over pictures; *ours ahead* is of these."
     yield "- *ms*: a picture from a store with everything that is on by default (antialiasing, free space, filling): the median of all true viewpoints,"
-    yield "  each three times. The paper's way fills no holes."
+    yield "  each three times. The paper's way fills no holes. Rivals are timed on `orrery` alone."
     yield "- *Bytes*: the whole store. *Raw*: 8-bit color and 32-bit depth of every pixel."
 
 
@@ -234,44 +298,56 @@ def method_table(captures):
                 "" if role == "ours" else ahead(method),
                 size(method["bytes"]),
                 percent(method["bytes"] / entry["bytes_raw"]),
-                f"{method['milliseconds']:.0f}" if method["milliseconds"] >= 10 else f"{method['milliseconds']:.1f}",
+                time_of(entry, role),
                 "all" if method["kept"] >= 1 else percent(method["kept"]),
             ]
             yield "| " + " | ".join(cells) + " |"
 
 
 def switch_table(captures):
-    yield "| switch | dB | time |"
-    yield "|---|---|---|"
-    labels = {point["label"]: None for entry in captures for point in entry["switches"] if point["series"] == "variation"}
-    for label in labels:
-        gains, times = [], []
-        for entry in captures:
-            default = next(point for point in entry["switches"] if point["series"] == "reference")
-            for point in entry["switches"]:
-                if point["label"] == label:
-                    gains.append(point["db_seen"] - default["db_seen"])
-                    times.append(point["milliseconds"] / default["milliseconds"])
+    yield "| switch | at | dB | time |"
+    yield "|---|---|---|---|"
+    rows = {(row["label"], row["store"], row["wide"]): None for entry in captures for row in entry["switches"]}
+    for label, store, wide in rows:
+        is_row = lambda row: (row["label"], row["store"], row["wide"]) == (label, store, wide)
+        gains = [row["db"] - row["default_db"] for entry in captures for row in entry["switches"] if is_row(row)]
+        times = [row["times_as_long"] for entry in captures for row in entry.get("times", {}).get("switches", []) if is_row(row)]
         least, most = signed(min(gains), 2), signed(max(gains), 2)
-        fastest, slowest = f"{min(times):.2f}", f"{max(times):.2f}"
-        cells = [f"`{label}`", least if least == most else f"{least} to {most}", fastest if fastest == slowest else f"{fastest} to {slowest}"]
+        fastest, slowest = (f"{min(times):.2f}", f"{max(times):.2f}") if times else ("–", "–")
+        cells = [
+            f"`{label.replace('=', ' = ')}`",
+            pictures_of(store, wide, [entry["name"] for entry in captures if any(is_row(row) for row in entry["switches"])]),
+            least if least == most else f"{least} to {most}",
+            fastest if fastest == slowest else f"{fastest} to {slowest}",
+        ]
         yield "| " + " | ".join(cells) + " |"
+
+
+def pictures_of(store, wide, names):
+    """Which pictures a switch is measured at, in words."""
+    where = "stores that were not pruned" if store == "everything" else "all captures"
+    if wide == 1:
+        return where
+    sizes = f"{wide:g} times as wide" if wide > 1 else f"{100 * wide:.0f} % as wide"
+    return f"pictures {sizes} as recorded, of {listed([f'`{name}`' for name in names])}".replace("as wide as recorded", "as wide as recorded ones")
 
 
 def repetition(results):
     captures = results["captures"]
-    minutes = sum(entry["seconds_measuring"] for entry in captures) / 60
     yield "One command measures the captures that are built in or in the repository, and further ones that are named behind it, and writes this page."
-    yield f"All of these took {minutes:.0f} minutes, recording included."
+    yield "It takes some 40 minutes on two cores. `--accuracy` and `--times` measure a part each: times need a quiet machine, accuracy does not."
     yield ""
     yield f"```sh\n{COMMAND}     # and CAPTURE..., each with true pictures in novel/\n```"
     yield ""
-    yield f"The default settings are `{results['settings_fingerprint']}`. A test fails once the program has others. What is run for each capture:"
+    yield f"The default settings are `{results['settings_fingerprint']}`, and the pictures of `small_capture` have the checksum `{results['pictures']}`. A test fails once"
+    yield "the program has others. `make.py --write-only PROGRAM` then marks the rows that another program measured. What is run for each capture:"
     yield ""
     for entry in captures:
+        measured, timed = entry["accuracy"], entry.get("times")
+        by = f" Times: `{timed['commit']}`, {timed['date']}, {timed['machine']}, {timed['threads']} threads." if timed else ""
         yield (
             f"- `{entry['name']}`: {entry['content']}, {entry['true_pictures']} true pictures from {entry['viewpoints']} viewpoints. Commit "
-            f"`{entry['commit']}`, {entry['date']}, {entry['machine']}, {entry['threads']} threads."
+            f"`{measured['commit']}`, {measured['date']}.{by}"
         )
     yield ""
     yield "```sh"
@@ -279,12 +355,12 @@ def repetition(results):
         if entry["recording"]:
             yield entry["recording"]
     yield f"overlook sweep CAPTURE {captures[0]['sweep'].split(' ', 3)[3].rsplit(' ', 1)[0]} CAPTURE-sweep"
-    yield "overlook sweep CAPTURE --vary render --out CAPTURE-switches"
     yield "overlook preprocess CAPTURE --out ours.ovl"
     yield "overlook preprocess CAPTURE --out all.ovl --set pruning.method=off"
     for line in sorted({entry["paper_settings"] for entry in captures}):
         yield from wrapped(f"overlook preprocess CAPTURE --out paper.ovl {line}")
     yield "overlook render ours.ovl --views CAPTURE/novel/transforms.json --out pictures         # three times, and so the other two"
+    yield "overlook render ours.ovl --views CAPTURE/novel/transforms.json --out pictures --set render.free_space=false     # and each switch"
     yield "```"
     yield ""
     yield "[results.json](assets/results/results.json) has all figures, the [notebook](assets/results/notebook.md) what was learned of older programs,"
@@ -302,5 +378,5 @@ def wrapped(line, width=140):
 
 def with_headline(readme, results):
     """README.md with its figures as measured."""
-    block = "\n".join([MARKS[0], *figures(results["captures"], "RESULTS.md"), MARKS[1]])
+    block = "\n".join([MARKS[0], *figures(results, "RESULTS.md"), MARKS[1]])
     return re.sub(re.escape(MARKS[0]) + ".*?" + re.escape(MARKS[1]), lambda _: block, readme, flags=re.DOTALL)

@@ -6,7 +6,8 @@ use overlook_engine::capture::transforms::{open, open_views};
 use overlook_engine::capture::{Capture, TruthView};
 use overlook_engine::settings::CaptureSettings;
 
-fn folder() -> PathBuf {
+/// Where it lies.
+pub(crate) fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")
 }
 

@@ -1,7 +1,8 @@
-//! RESULTS.md and its data were measured with the default settings, and their small figures are measured again and compared.
+//! RESULTS.md and its data were measured with the default settings, and their small figures are measured again and compared. The
+//! headline of README.md counts only what a program measured that makes the same pictures as this one.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use overlook_engine::job::Job;
 use overlook_engine::settings::{Kernel, Settings};
@@ -9,6 +10,7 @@ use overlook_lab::sweep::{self, Point, Series, SweepPlan};
 use overlook_lab::truth::Truth;
 use serde_json::Value;
 
+use super::command::{overlook, succeed};
 use super::small_capture;
 
 /// The command that measures everything again and writes the page.
@@ -76,6 +78,77 @@ fn the_results_page_is_made_of_its_data() {
         );
     }
     assert!(page.lines().count() <= 200, "the page has {} lines", page.lines().count());
+}
+
+/// All OpenEXR pictures below a folder, in the order of their names.
+fn pictures(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(pictures(&path));
+        } else if path.extension().is_some_and(|extension| extension == "exr") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+/// CRC-32 of the pictures that the program makes of the small capture, in the order of their names. `make.py` computes the same.
+fn hash_of_pictures() -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = small_capture::folder();
+    let views = capture.join("novel/transforms.json");
+    let [capture, views] = [&capture, &views].map(|path| path.to_str().unwrap());
+    succeed(overlook(folder.path(), &["preprocess", capture, "--out", "hashed.ovl"]));
+    let render = ["render", "hashed.ovl", "--views", views, "--out", "hashed", "--backend", "cpu"];
+    succeed(overlook(folder.path(), &render));
+    let pictures = pictures(&folder.path().join("hashed"));
+    assert!(pictures.len() >= 12, "{pictures:?}");
+    let mut hasher = crc32fast::Hasher::new();
+    for picture in pictures {
+        hasher.update(&std::fs::read(picture).unwrap());
+    }
+    format!("{:08x}", hasher.finalize())
+}
+
+/// The smallest and the largest of some values, in the words of the page.
+fn span(values: impl Iterator<Item = f64> + Clone) -> String {
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] =
+        [low, high].map(|value| if value >= 9.95 { format!("{value:.0}") } else { format!("{value:.1}") });
+    if low == high { low } else { format!("{low} to {high}") }
+}
+
+#[test]
+fn the_headline_counts_no_row_of_a_program_with_other_pictures() {
+    let (results, readme) = (results(), file("README.md"));
+    let now = hash_of_pictures();
+    assert_eq!(
+        results["pictures"], now,
+        "the program makes other pictures than the one of RESULTS.md; '{RENEW}' measures anew, and \
+         'assets/results/make.py --write-only target/release/overlook' marks the rows of other programs"
+    );
+    let captures = results["captures"].as_array().unwrap();
+    let of_this_program = |part: &'static str| {
+        let now = now.as_str();
+        captures.iter().filter(move |capture| capture[part]["pictures"] == now)
+    };
+    let dropped = of_this_program("accuracy")
+        .map(|capture| 100.0 * (1.0 - capture["methods"]["ours"]["kept"].as_f64().unwrap()));
+    let took = of_this_program("accuracy")
+        .filter(|capture| capture["times"]["pictures"] == now.as_str())
+        .map(|capture| capture["times"]["milliseconds"]["ours"].as_f64().unwrap());
+    let counted =
+        [format!("[{} % of the pixels]", span(dropped.clone())), format!("[{} ms]", span(took.clone()))];
+    for (wanted, rows) in counted.iter().zip([dropped.count(), took.count()]) {
+        assert!(
+            rows == 0 || readme.contains(wanted),
+            "README.md lacks '{wanted}', of {rows} rows of this program"
+        );
+    }
 }
 
 /// What `overlook sweep assets/small_capture` measures with the kernel `gather` and with the paper's settings.
