@@ -11,6 +11,7 @@ pub(crate) mod frame_timer;
 pub(crate) mod inspector;
 pub(crate) mod message;
 pub(crate) mod results;
+pub(crate) mod same;
 pub(crate) mod scene;
 pub(crate) mod state;
 pub(crate) mod text;
@@ -22,6 +23,7 @@ pub(crate) use document::{Document, ShownPicture};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use message::Message;
 pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
+pub(crate) use same::Same;
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth, pivot_of_store};
 pub(crate) use state::{Busy, SIDES, State, StoppableWork};
 pub(crate) use text::{

@@ -73,6 +73,12 @@ pub(crate) struct OpenScene {
     pub session: Option<Session>,
 }
 
+impl PartialEq for OpenScene {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
 impl OpenScene {
     /// A scene of a capture. `typical_depth` (planar z of camera 0's middle) serves where the lines of sight do not meet.
     pub(crate) fn of_capture(

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::model::{EditKey, EditedScene, SelectionPlace};
 use crate::app::model::scene::Content;
-use crate::app::model::{Message, State};
+use crate::app::model::{Message, Same, State};
 use crate::app::rooms::frame::model::DockView;
 use crate::app::theme::Tokens;
 use crate::app::work::slot::Wanted;
@@ -25,8 +25,8 @@ impl Wanted for EditKey {
         let samples = state.samples_to_edit().filter(|_| state.doc.edits.are_in_use())?;
         Some(Self {
             scene: state.doc.scene.clone()?,
-            samples: samples.clone(),
-            scan: state.doc.scan.clone(),
+            samples: Same(samples.clone()),
+            scan: state.doc.scan.clone().map(Same),
             list: state.doc.edits.list.clone(),
             selection: state.doc.edits.shown_selection(),
         })
@@ -92,7 +92,7 @@ impl SampleEditor {
 
     /// All samples before edits.
     fn base(&mut self, key: &EditKey, job: &Job) -> Result<Arc<SampleSet>> {
-        let Some(playback) = key.scene.playback() else { return Ok(key.samples.clone()) };
+        let Some(playback) = key.scene.playback() else { return Ok(key.samples.0.clone()) };
         if let Some((_, samples)) = self.read.as_ref().filter(|(scene, _)| *scene == key.scene.id) {
             return Ok(samples.clone());
         }

@@ -6,7 +6,7 @@ use egui::ColorImage;
 
 use super::model::{ProbeKey, Probed, Spot};
 use crate::app::colormap::{dimmed, recorded};
-use crate::app::model::{CameraMemory, Content, State};
+use crate::app::model::{CameraMemory, Content, Same, State};
 use crate::app::rooms::frame::model::DockView;
 use crate::app::work::slot::Wanted;
 use overlook_engine::capture::ValueChannel;
@@ -25,9 +25,9 @@ impl Wanted for ProbeKey {
             // The mark stays at its place in the scene; the picture at rest is asked again.
             return None;
         }
-        let live = shown.filter(|_| is_live).map(|shown| (shown.key.clone(), shown.picture.clone()));
-        let inspection = state.inspection_here().cloned();
-        Some(Self { scene, spot, inspection, whole: state.current_whole().cloned(), live })
+        let live = shown.filter(|_| is_live).map(|shown| (shown.key.clone(), Same(shown.picture.clone())));
+        let inspection = state.inspection_here().cloned().map(Same);
+        Some(Self { scene, spot, inspection, whole: state.current_whole().cloned().map(Same), live })
     }
 
     fn is_forgotten(state: &State) -> bool {
@@ -36,16 +36,10 @@ impl Wanted for ProbeKey {
 }
 
 /// The cameras of a frame, each as a small picture.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct ThumbnailRequest {
     pub scene: u64,
-    pub inspection: Arc<FrameInspection>,
-}
-
-impl PartialEq for ThumbnailRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.inspection, &other.inspection)
-    }
+    pub inspection: Same<FrameInspection>,
 }
 
 impl Wanted for ThumbnailRequest {
@@ -55,21 +49,15 @@ impl Wanted for ThumbnailRequest {
         // In motion they would be made anew for every frame, for nobody to look at.
         let is_seen = visible.contains(&DockView::Cameras) || (guides && !state.timeline.playing);
         let inspection = state.inspection_here().filter(|_| is_seen)?.clone();
-        Some(Self { scene: state.doc.scene.as_ref()?.id, inspection })
+        Some(Self { scene: state.doc.scene.as_ref()?.id, inspection: Same(inspection) })
     }
 }
 
 /// The samples whose memory is counted by camera.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct MemoryRequest {
     pub scene: u64,
-    pub samples: Arc<SampleSet>,
-}
-
-impl PartialEq for MemoryRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.samples, &other.samples)
-    }
+    pub samples: Same<SampleSet>,
 }
 
 impl Wanted for MemoryRequest {
@@ -77,7 +65,7 @@ impl Wanted for MemoryRequest {
         // A store plays from disk: its sample set is an outline.
         let is_seen = visible.contains(&DockView::Memory) && state.has_capture();
         let samples = state.whole_samples().filter(|_| is_seen)?.clone();
-        Some(Self { scene: state.doc.scene.as_ref()?.id, samples })
+        Some(Self { scene: state.doc.scene.as_ref()?.id, samples: Same(samples) })
     }
 }
 

@@ -1,9 +1,7 @@
 //! Counts the quantities that thresholds cut, at the frame shown.
 
-use std::sync::Arc;
-
 use super::model::ThresholdHistogram;
-use crate::app::model::{Message, State};
+use crate::app::model::{Message, Same, State};
 use crate::app::rooms::frame::model::DockView;
 use crate::app::work::slot::Wanted;
 use overlook_engine::median::median_f32;
@@ -21,18 +19,12 @@ const AT_MOST: usize = 30_000;
 const COLOR_SIGMAS: f32 = 3.0;
 
 /// What histograms are made from.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct HistogramRequest {
     pub scene: u64,
-    pub inspection: Arc<FrameInspection>,
-    pub scan: Option<Arc<PreparedScan>>,
+    pub inspection: Same<FrameInspection>,
+    pub scan: Option<Same<PreparedScan>>,
     pub settings: Settings,
-}
-
-impl PartialEq for HistogramRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.inspection, &other.inspection) && self.scan.is_some() == other.scan.is_some()
-    }
 }
 
 impl Wanted for HistogramRequest {
@@ -41,8 +33,8 @@ impl Wanted for HistogramRequest {
         let inspected = state.doc.inspected.as_ref().filter(|_| is_seen)?;
         Some(Self {
             scene: state.doc.scene.as_ref()?.id,
-            inspection: inspected.inspection.clone(),
-            scan: state.doc.scan.clone(),
+            inspection: Same(inspected.inspection.clone()),
+            scan: state.doc.scan.clone().map(Same),
             settings: inspected.settings.clone(),
         })
     }

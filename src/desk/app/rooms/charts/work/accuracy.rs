@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::app::model::{Accuracy, Content, OpenScene, State};
+use crate::app::model::{Accuracy, Content, OpenScene, Same, State};
 use crate::app::rooms::frame::model::DockView;
 use crate::app::work::slot::Wanted;
 use overlook_engine::capture::{Frame, TruthView};
@@ -19,21 +19,15 @@ use overlook_lab::truth::views_as_taken;
 const VIEWS: usize = 3;
 
 /// Samples to compare with the truth.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct MeasureRequest {
     /// The scene, a capture.
     pub scene: Arc<OpenScene>,
     /// What was kept.
-    pub samples: Arc<SampleSet>,
+    pub samples: Same<SampleSet>,
     /// The scan with the corrections of the rig; `None` while it is under way.
-    pub scan: Option<Arc<PreparedScan>>,
+    pub scan: Option<Same<PreparedScan>>,
     pub settings: Settings,
-}
-
-impl PartialEq for MeasureRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.samples, &other.samples) && self.settings == other.settings
-    }
 }
 
 impl Wanted for MeasureRequest {
@@ -41,8 +35,8 @@ impl Wanted for MeasureRequest {
         let (scene, whole) = (state.doc.scene.as_ref()?, state.doc.whole.as_ref()?);
         (!state.is_stale() && !state.timeline.playing).then(|| Self {
             scene: scene.clone(),
-            samples: whole.samples.clone(),
-            scan: state.doc.scan.clone(),
+            samples: Same(whole.samples.clone()),
+            scan: state.doc.scan.clone().map(Same),
             settings: state.settings.clone(),
         })
     }

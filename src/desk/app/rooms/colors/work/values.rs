@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::app::model::{Message, State};
+use crate::app::model::{Message, Same, State};
 use crate::app::rooms::colors::model::FrameValues;
 use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::live::model::{ColorBy, ShownCameras};
@@ -15,24 +15,15 @@ use overlook_engine::samples::SampleSet;
 use overlook_engine::store::playback::Playback;
 
 /// What is put in order: the values that the live view shows in colors.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct ValuesRequest {
     scene: u64,
     /// All samples; an outline where a store plays from disk.
-    samples: Arc<SampleSet>,
-    playback: Option<Arc<Playback>>,
+    samples: Same<SampleSet>,
+    playback: Option<Same<Playback>>,
     frame: usize,
     cameras: ShownCameras,
     channel: usize,
-}
-
-impl PartialEq for ValuesRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.samples, &other.samples)
-            && self.frame == other.frame
-            && self.cameras == other.cameras
-            && self.channel == other.channel
-    }
 }
 
 impl Wanted for ValuesRequest {
@@ -61,7 +52,7 @@ impl Wanted for ValuesRequest {
 /// Those of reading a store, and `Cancelled`.
 pub(crate) fn values(request: &ValuesRequest, job: &Job) -> Result<Message> {
     let all = match &request.playback {
-        None => request.samples.clone(),
+        None => request.samples.0.clone(),
         Some(playback) => playback.at(request.frame, job)?,
     };
     let shown = CameraFilter::default().of(all, &request.cameras);

@@ -6,6 +6,7 @@ use egui::{Color32, ColorImage, Rect, pos2};
 
 use super::vantage::CompareVantage;
 use crate::app::colormap::{diverging, sequential};
+use crate::app::model::Same;
 use crate::app::model::scene::OpenScene;
 use crate::app::model::text::significant;
 use crate::app::rooms::files::model::picture_folder::PictureFolder;
@@ -241,41 +242,24 @@ impl Default for CompareLook {
 }
 
 /// What a comparison is made from; an equal key gives an equal comparison.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct CompareKey {
     pub scene: Arc<OpenScene>,
     pub choice: CompareChoice,
     /// Where the live view stands, and when.
     pub vantage: Vantage,
     /// The kept samples that the live view shows.
-    pub samples: Arc<SampleSet>,
+    pub samples: Same<SampleSet>,
     /// Whether those show every frame, and not only the one that the live view shows.
     pub whole: bool,
     /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<PreparedScan>>,
+    pub scan: Option<Same<PreparedScan>>,
     /// The settings on the sliders, A and B.
     pub settings: [Settings; 3],
     /// Pictures of other programs that are open.
     pub pictures: Vec<PictureFolder>,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
-}
-
-impl PartialEq for CompareKey {
-    fn eq(&self, other: &Self) -> bool {
-        let uses = |side: CompareSide| self.choice.sides.contains(&side);
-        self.scene.id == other.scene.id
-            && self.choice == other.choice
-            && Arc::ptr_eq(&self.samples, &other.samples)
-            && self.whole == other.whole
-            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
-            && self.settings[0] == other.settings[0]
-            && (!uses(CompareSide::A) || self.settings[1] == other.settings[1])
-            && (!uses(CompareSide::B) || self.settings[2] == other.settings[2])
-            && self.dark == other.dark
-            && self.vantage.frame == other.vantage.frame
-            && (self.choice.from != CompareVantage::Live || self.vantage == other.vantage)
-    }
 }
 
 /// A comparison that is shown.

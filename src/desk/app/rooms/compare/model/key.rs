@@ -2,6 +2,7 @@
 
 use super::comparison::CompareKey;
 use super::figure::ComparisonFigure;
+use crate::app::model::Same;
 use crate::app::model::state::State;
 use crate::app::rooms::settings::model::undo::SettingsSlot;
 use std::sync::Arc;
@@ -22,9 +23,9 @@ impl State {
             choice: self.inspector.compare.choice,
             vantage: shown.key.vantage.clone(),
             // Of a store played from disk only the picture knows the samples.
-            samples: shown.picture.samples.clone(),
+            samples: Same(shown.picture.samples.clone()),
             whole: self.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
-            scan: self.doc.scan.clone(),
+            scan: self.doc.scan.clone().map(Same),
             settings: [
                 now.clone(),
                 history.of(SettingsSlot::A, now).clone(),

@@ -8,9 +8,11 @@ use super::difference::DisplayedSide;
 use super::place::{
     Viewpoint, cameras_left, capture_of, corrected_by, corrected_capture, left_out, unknown_truth,
 };
-use crate::app::model::{Message, State, method_of};
+use crate::app::model::{Message, Same, State, method_of};
 use crate::app::rooms::charts::work::accuracy::with_nothing_pruned;
-use crate::app::rooms::compare::model::{CompareKey, CompareMeasure, CompareSide, PictureDifference};
+use crate::app::rooms::compare::model::{
+    CompareKey, CompareMeasure, CompareSide, CompareVantage, PictureDifference,
+};
 use crate::app::rooms::compare::work::difference;
 use crate::app::rooms::frame::model::DockView;
 use crate::app::work::slot::Wanted;
@@ -27,8 +29,19 @@ use overlook_lab::{picture_of_frame, truth};
 impl Wanted for Box<CompareKey> {
     /// Compares at the vantage, and with the samples, of the last live picture.
     fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
-        let is_shown = visible.contains(&DockView::Compare);
-        is_shown.then(|| state.compare_key().map(Box::new)).flatten()
+        let mut key = state.compare_key().filter(|_| visible.contains(&DockView::Compare))?;
+        let sides = key.choice.sides;
+        // What no side shows asks for nothing.
+        for (nth, side) in [(1, CompareSide::A), (2, CompareSide::B)] {
+            if !sides.contains(&side) {
+                key.settings[nth] = key.settings[0].clone();
+            }
+        }
+        if key.choice.from != CompareVantage::Live {
+            key.vantage.camera = key.scene.cameras.first()?.clone();
+        }
+        key.pictures.retain(|folder| sides.contains(&CompareSide::Pictures(folder.id)));
+        Some(Box::new(key))
     }
 }
 
@@ -188,7 +201,7 @@ impl Comparer {
         let left_out = left_out(key);
         let shown_there = key.whole || vantage.frame == key.vantage.frame;
         let samples = if as_shown && shown_there && left_out.is_none() {
-            key.samples.clone()
+            key.samples.0.clone()
         } else {
             // The scan is of all cameras, so that it does not fit a left-out one; without pruning no span is used.
             let frame_alone = left_out.is_some() || side == CompareSide::Everything;
@@ -213,7 +226,7 @@ impl Comparer {
         settings: &Settings,
         job: &Job,
     ) -> Result<Option<Arc<PreparedScan>>> {
-        let Some(scan) = &key.scan else { return Ok(None) };
+        let Some(scan) = key.scan.as_deref() else { return Ok(None) };
         self.scans.retain(|(scene, _)| *scene == key.scene.id);
         let own = self.scans.iter().map(|(_, scan)| scan);
         if let Some(scan) = own.chain([scan]).find(|scan| scan.serves(settings)) {
@@ -277,7 +290,7 @@ mod tests {
 
     use super::*;
     use crate::app::model::{OpenScene, SceneSource};
-    use crate::app::rooms::compare::model::{CompareChoice, CompareLook, CompareVantage};
+    use crate::app::rooms::compare::model::{CompareChoice, CompareLook};
     use crate::app::work::workers::pool;
     use overlook_engine::demo::{Demo, DemoSpec};
     use overlook_engine::render::Vantage;
@@ -302,9 +315,9 @@ mod tests {
                 ..CompareLook::default().choice
             },
             vantage: Vantage { camera: demo.home(), frame: 3 },
-            samples,
+            samples: Same(samples),
             whole: true,
-            scan: Some(scan),
+            scan: Some(Same(scan)),
             settings: [a.clone(), a, b],
             pictures: Vec::new(),
             dark: true,
@@ -350,11 +363,11 @@ mod tests {
         assert_ne!(vantage.frame, key.vantage.frame);
         let expected = comparer().compare(&key, &Job::new()).unwrap();
         let capture = capture_of(&key.scene).unwrap();
-        let scan = key.scan.as_deref();
+        let scan = key.scan.as_deref().map(|scan| &**scan);
         let shown =
             preprocess::inspect_frame(capture, scan, &key.settings[0], key.vantage.frame, &Job::new())
                 .unwrap();
-        let key = CompareKey { samples: shown.samples, whole: false, ..key };
+        let key = CompareKey { samples: Same(shown.samples), whole: false, ..key };
         let compared = comparer().compare(&key, &Job::new()).unwrap();
         assert!((compared.psnr_db - expected.psnr_db).abs() < 1e-9, "{} dB", compared.psnr_db);
         assert_eq!(compared.one_sided, expected.one_sided);

@@ -138,7 +138,7 @@ pub(crate) fn capture_of(scene: &OpenScene) -> Result<&Capture> {
 /// The capture as it is shown: with corrected cameras, once the corrections are known.
 pub(crate) fn corrected_capture(key: &CompareKey) -> Result<&Capture> {
     let recorded = capture_of(&key.scene)?;
-    Ok(key.scan.as_deref().map_or(recorded, PreparedScan::capture))
+    Ok(key.scan.as_ref().map_or(recorded, |scan| scan.capture()))
 }
 
 /// What [`corrected_capture`] was corrected by.

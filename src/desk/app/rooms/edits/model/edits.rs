@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::command::{Combine, DrawnDepth, EditTime, EditTool};
 use super::region::{join_stroke, words};
+use crate::app::model::Same;
 use crate::app::model::scene::OpenScene;
 use crate::app::rooms::settings::model::undo::Steps;
 use overlook_engine::edits::{Action, Edit, EditList, Reach, Region, Stroke};
@@ -13,25 +14,15 @@ use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::samples::SampleSet;
 
 /// What is worked out of edits; equal keys give the same samples.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct EditKey {
     pub scene: Arc<OpenScene>,
     /// The samples before edits; an outline where a store plays from disk.
-    pub samples: Arc<SampleSet>,
+    pub samples: Same<SampleSet>,
     /// The scan that they were pruned with: its capture says which cameras confirm a sample.
-    pub scan: Option<Arc<PreparedScan>>,
+    pub scan: Option<Same<PreparedScan>>,
     pub list: EditList,
     pub selection: Option<Region>,
-}
-
-impl PartialEq for EditKey {
-    fn eq(&self, other: &Self) -> bool {
-        self.scene.id == other.scene.id
-            && Arc::ptr_eq(&self.samples, &other.samples)
-            && self.scan.as_ref().map(Arc::as_ptr) == other.scan.as_ref().map(Arc::as_ptr)
-            && self.list == other.list
-            && self.selection == other.selection
-    }
 }
 
 /// What edits and the selection give.

@@ -19,6 +19,12 @@ pub(crate) struct PictureFolder {
     pub frame_count: usize,
 }
 
+impl PartialEq for PictureFolder {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
 impl PictureFolder {
     /// What is known of it: of viewpoints, or else of cameras.
     pub(crate) fn known(&self) -> impl Iterator<Item = &Arc<OtherPictures>> {

@@ -7,6 +7,7 @@ use egui::ColorImage;
 
 use super::motion_budget::MotionQuality;
 use super::view_look::ShownCameras;
+use crate::app::model::Same;
 use crate::app::model::texture::Texture;
 use crate::app::rooms::colors::model::display::{Display, PictureHistogram};
 use crate::app::rooms::source::model::picture::{AGREEMENT, MOTION};
@@ -85,18 +86,18 @@ impl HoleDisplay {
 }
 
 /// What a right picture was made from; a picture with an equal key is the same picture.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct LiveKey {
     pub scene: u64,
-    pub samples: Arc<SampleSet>,
+    pub samples: Same<SampleSet>,
     /// The reader of the frame's samples from a file; `None` if all are in memory.
-    pub playback: Option<Arc<Playback>>,
+    pub playback: Option<Same<Playback>>,
     /// Where from, and when.
     pub vantage: Vantage,
     pub settings: RenderSettings,
     pub color_by: ColorBy,
     /// What was found at the frame, where colors tell of agreement; `None` while it is worked out, and for stores.
-    pub inspection: Option<Arc<FrameInspection>>,
+    pub inspection: Option<Same<FrameInspection>>,
     pub holes: HoleDisplay,
     pub display: Display,
     /// The cameras whose samples are shown.
@@ -115,23 +116,6 @@ impl LiveKey {
     /// Width of the stripes over holes, pixels: on the screen as wide in motion as at rest.
     pub(crate) fn stripe(&self) -> usize {
         (STRIPE * self.per_coarse_pixel).round().max(1.0) as usize
-    }
-}
-
-impl PartialEq for LiveKey {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.samples, &other.samples)
-            && self.scene == other.scene
-            && self.vantage == other.vantage
-            && self.settings == other.settings
-            && self.color_by == other.color_by
-            && self.inspection.as_ref().map(Arc::as_ptr) == other.inspection.as_ref().map(Arc::as_ptr)
-            && self.holes == other.holes
-            && self.cameras == other.cameras
-            && self.display == other.display
-            && self.dark == other.dark
-            && self.in_motion == other.in_motion
-            && self.quality == other.quality
     }
 }
 
@@ -181,19 +165,13 @@ impl LivePicture {
 }
 
 /// What is to be carried.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct CarryKey {
     pub scene: u64,
-    pub picture: Arc<LivePicture>,
+    pub picture: Same<LivePicture>,
     /// Where the picture was taken from.
     pub from: Camera,
     pub to: Camera,
-}
-
-impl PartialEq for CarryKey {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.picture, &other.picture) && self.from == other.from && self.to == other.to
-    }
 }
 
 /// A live picture as another viewpoint shows it.

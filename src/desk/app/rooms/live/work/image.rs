@@ -48,7 +48,7 @@ pub(crate) fn paint(
     let started = Instant::now();
     let next = key.vantage.frame + 1;
     let samples = match &key.playback {
-        None => key.samples.clone(),
+        None => key.samples.0.clone(),
         Some(playback) => playback.seen_from(&key.vantage.camera, key.vantage.frame, job)?,
     };
     let samples = filter.of(samples, &key.cameras);
@@ -285,7 +285,7 @@ mod tests {
         };
         LiveKey {
             scene: 1,
-            samples: Arc::new(samples),
+            samples: Same(Arc::new(samples)),
             playback: None,
             vantage: Vantage { camera: camera(distance), frame: 0 },
             settings: RenderSettings::default(),

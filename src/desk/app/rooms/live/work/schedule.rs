@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::app::model::State;
+use crate::app::model::{Same, State};
 use crate::app::rooms::live::model::{CarryKey, ColorBy, LiveKey, LivePicture, MotionBudget};
 use crate::app::work::workers::Workers;
 use overlook_engine::capture::Camera;
@@ -114,16 +114,17 @@ impl LiveSchedule {
         self.will_change = quality.is_some();
         let key = LiveKey {
             scene: scene.id,
-            samples: samples.clone(),
+            samples: Same(samples.clone()),
             // What edits leave is in memory.
-            playback: scene.playback().filter(|_| edited.is_none()).cloned(),
+            playback: scene.playback().filter(|_| edited.is_none()).cloned().map(Same),
             vantage: Vantage { camera: state.live_camera(size)?, frame },
             settings,
             color_by: state.live.color_by,
             inspection: state
                 .inspection_here()
                 .filter(|_| state.live.color_by == ColorBy::Agreement)
-                .cloned(),
+                .cloned()
+                .map(Same),
             holes: state.live.holes,
             cameras: state.live.cameras.clone(),
             display: state.display,
@@ -181,7 +182,7 @@ fn carry_key(state: &State) -> Option<CarryKey> {
     let is_needed = to != *from && is_near(from, &to, FARTHEST * orbit.pivot_distance);
     is_needed.then(|| CarryKey {
         scene: shown.key.scene,
-        picture: shown.picture.clone(),
+        picture: Same(shown.picture.clone()),
         from: from.clone(),
         to,
     })

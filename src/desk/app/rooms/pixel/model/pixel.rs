@@ -5,6 +5,7 @@ use std::sync::Arc;
 use egui::{Pos2, pos2};
 use glam::DVec3;
 
+use crate::app::model::Same;
 use crate::app::model::scene::OpenScene;
 use crate::app::rooms::live::model::picture::{LiveKey, LivePicture};
 use overlook_engine::capture::Camera;
@@ -32,32 +33,16 @@ pub(crate) enum Spot {
 }
 
 /// What the answer depends on.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct ProbeKey {
     pub scene: Arc<OpenScene>,
     pub spot: Spot,
     /// The verdicts at the frame shown; `None` for a store, and until they are computed.
-    pub inspection: Option<Arc<FrameInspection>>,
+    pub inspection: Option<Same<FrameInspection>>,
     /// The whole capture's samples, for the spans of the pixel; `None` while there are none.
-    pub whole: Option<Arc<SampleSet>>,
+    pub whole: Option<Same<SampleSet>>,
     /// The live picture, for a spot in it.
-    pub live: Option<(LiveKey, Arc<LivePicture>)>,
-}
-
-impl PartialEq for ProbeKey {
-    fn eq(&self, other: &Self) -> bool {
-        let inputs = |key: &Self| {
-            let picture = key.live.as_ref().map(|(_, picture)| Arc::as_ptr(picture));
-            (
-                key.scene.id,
-                key.spot,
-                key.inspection.as_ref().map(Arc::as_ptr),
-                key.whole.as_ref().map(Arc::as_ptr),
-                picture,
-            )
-        };
-        inputs(self) == inputs(other)
-    }
+    pub live: Option<(LiveKey, Same<LivePicture>)>,
 }
 
 impl ProbeKey {

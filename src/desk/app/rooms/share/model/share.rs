@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::figure::{FigureOf, FigureOptions};
+use crate::app::model::Same;
 use crate::app::model::scene::OpenScene;
 use crate::app::model::texture::Texture;
 use crate::app::rooms::files::model::purpose::Purpose;
@@ -233,46 +234,26 @@ pub(crate) enum ShareCommand {
 }
 
 /// What sizes are measured from.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct ShareKey {
     pub scene: Arc<OpenScene>,
     /// The samples of the whole capture; of a store the outline.
-    pub samples: Arc<SampleSet>,
+    pub samples: Same<SampleSet>,
     pub frame: usize,
     /// The picture of the live view, where it is in memory.
-    pub picture: Option<Arc<LivePicture>>,
-}
-
-impl PartialEq for ShareKey {
-    fn eq(&self, other: &Self) -> bool {
-        let same_picture = match (&self.picture, &other.picture) {
-            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
-            (one, other) => one.is_none() && other.is_none(),
-        };
-        Arc::ptr_eq(&self.samples, &other.samples) && self.frame == other.frame && same_picture
-    }
+    pub picture: Option<Same<LivePicture>>,
 }
 
 /// What a preview is of.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct SharePreviewKey {
     pub scene: Arc<OpenScene>,
     /// As in [`ShareKey`].
-    pub samples: Arc<SampleSet>,
+    pub samples: Same<SampleSet>,
     pub vantage: Vantage,
     pub settings: RenderSettings,
     /// The samples that the budget leaves, as a share of all.
     pub share: f64,
-}
-
-impl PartialEq for SharePreviewKey {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.samples, &other.samples)
-            && self.scene.id == other.scene.id
-            && self.vantage == other.vantage
-            && self.settings == other.settings
-            && self.share.to_bits() == other.share.to_bits()
-    }
 }
 
 /// A picture of what a budget leaves.

@@ -3,6 +3,7 @@
 
 use super::figure::FigureOf;
 use super::share::{ShareFacts, ShareOptions, SharePreviewKey, ShareWay, SharedPictures};
+use crate::app::model::Same;
 use crate::app::model::state::State;
 use crate::app::model::text::{bytes, count_of, significant};
 use overlook_engine::plural::counted;
@@ -91,7 +92,7 @@ impl State {
         let samples = self.whole_samples().filter(|_| ready)?;
         Some(SharePreviewKey {
             scene: self.doc.scene.clone()?,
-            samples: samples.clone(),
+            samples: Same(samples.clone()),
             vantage: Vantage { camera, frame: self.timeline.frame },
             settings: self.settings.render.clone(),
             share: share.max(0.0),

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::app::model::Same;
 use crate::app::rooms::compare::model::CompareKey;
 use crate::app::rooms::compare::work::compare::Comparer;
 use crate::app::rooms::share::model::ComparedFilm;
@@ -44,7 +45,7 @@ pub(crate) fn paint(
         if let Some((_, picture)) = last[side].as_ref().filter(|(there, _)| *there == vantage) {
             return Ok(picture.clone());
         }
-        let samples = source.samples_for(vantage, false, job)?;
+        let samples = Same(source.samples_for(vantage, false, job)?);
         let key = CompareKey { vantage: vantage.clone(), samples, whole: true, ..compared.key.clone() };
         let picture = Arc::new(comparer.picture(&key, side, job)?);
         last[side] = Some((vantage, picture.clone()));

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::sharing::temporary_folder;
-use crate::app::model::{Content, Message, OpenScene, State};
+use crate::app::model::{Content, Message, OpenScene, Same, State};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::files::work::files::save_picture;
 use crate::app::rooms::frame::model::DockView;
@@ -30,9 +30,9 @@ impl Wanted for ShareKey {
         Some(Self {
             scene: state.doc.scene.clone()?,
             // Until the whole capture is pruned only pictures have a size.
-            samples: state.whole_samples().unwrap_or(samples).clone(),
+            samples: Same(state.whole_samples().unwrap_or(samples).clone()),
             frame: state.timeline.frame,
-            picture: shown.map(|shown| shown.picture.clone()),
+            picture: shown.map(|shown| Same(shown.picture.clone())),
         })
     }
 }
@@ -54,7 +54,7 @@ impl StoreMeter {
         let of_frame = || here.images_at(key.frame);
         let placed_here: u64 = of_frame().map(|image| image.placed_count()).sum();
         let all_here: u64 = of_frame().map(|image| image.len() as u64).sum();
-        let picture = key.picture.as_deref().map(picture_facts).transpose()?.flatten();
+        let picture = key.picture.as_deref().map(|picture| picture_facts(picture)).transpose()?.flatten();
         let facts = ShareFacts {
             samples,
             placed_here,

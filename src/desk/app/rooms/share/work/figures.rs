@@ -5,6 +5,7 @@ use std::path::Path;
 use egui::{Color32, ColorImage};
 use image::RgbaImage;
 
+use crate::app::model::Same;
 use crate::app::model::median_depth;
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::compare::model::ComparisonFigure;
@@ -47,7 +48,7 @@ pub(crate) fn of_camera(
 ) -> Result<Figure> {
     let inspection = if overlay.needs_verdicts() {
         let scan = preprocess::scan(capture, settings, job)?;
-        Some(preprocess::inspect_frame(capture, Some(&scan), settings, frame, job)?.into())
+        Some(preprocess::inspect_frame(capture, Some(&scan), settings, frame, job)?.into()).map(Same)
     } else {
         None
     };

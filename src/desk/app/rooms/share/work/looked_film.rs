@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::app::model::Same;
 use crate::app::rooms::live::model::{LiveKey, PixelSource};
 use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::live::work::shown_samples::CameraFilter;
@@ -34,10 +35,10 @@ pub(crate) fn paint(
         job.check()?;
         inspection = inspection_at(look, vantage.frame, inspection)?;
         let key = LiveKey {
-            samples: source.samples_for(vantage, false, job)?,
+            samples: Same(source.samples_for(vantage, false, job)?),
             playback: None,
             vantage: vantage.clone(),
-            inspection: inspection.clone(),
+            inspection: inspection.clone().map(Same),
             ..look.key.clone()
         };
         let painted = live_image::paint(renderer, &mut filter, &key, job)?;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::ColorImage;
 
+use crate::app::model::Same;
 use crate::app::rooms::colors::model::display::{Display, PictureHistogram};
 use overlook_engine::grid::Grid;
 use overlook_engine::preprocess::inspect::FrameInspection;
@@ -73,7 +74,7 @@ pub(crate) const AGREEMENT: &str =
     "Whether other cameras confirm each sample, contradict it by majority, or do neither.";
 
 /// What a left picture was made from; a picture with an equal key is the same picture.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct SourceKey {
     pub scene: u64,
     pub camera: usize,
@@ -87,18 +88,7 @@ pub(crate) struct SourceKey {
     /// Dark or light, as overlays use colors of the theme.
     pub dark: bool,
     /// The verdicts; `None` for the bare picture.
-    pub inspection: Option<Arc<FrameInspection>>,
-}
-
-impl PartialEq for SourceKey {
-    fn eq(&self, other: &Self) -> bool {
-        let inputs = |key: &Self| {
-            let inspection = key.inspection.as_ref().map(Arc::as_ptr);
-            let look = (key.overlay, key.against, key.isolated, key.dark, key.display);
-            (key.scene, key.camera, key.frame, look, inspection)
-        };
-        inputs(self) == inputs(other)
-    }
+    pub inspection: Option<Same<FrameInspection>>,
 }
 
 /// What the colors of a picture mean.

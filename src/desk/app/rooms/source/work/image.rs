@@ -7,7 +7,7 @@ use egui::{Color32, ColorImage};
 use super::source_comparisons::{sampling_ratio, view_dependence};
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, mix, recorded, sequential};
-use crate::app::model::{Message, OpenScene, State};
+use crate::app::model::{Message, OpenScene, Same, State};
 use crate::app::rooms::colors::work::{background_at, displayed, histogram_of};
 use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::source::model::{Legend, Overlay, SourceKey, SourcePicture, ranked};
@@ -26,17 +26,11 @@ use overlook_engine::samples::TILE;
 const LARGEST_TEXTURE: usize = 4096;
 
 /// A picture of the source view.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct SourceRequest {
     /// A capture.
     pub scene: Arc<OpenScene>,
     pub key: SourceKey,
-}
-
-impl PartialEq for SourceRequest {
-    fn eq(&self, other: &Self) -> bool {
-        self.key == other.key
-    }
 }
 
 impl Wanted for SourceRequest {
@@ -44,7 +38,7 @@ impl Wanted for SourceRequest {
         let scene = state.doc.scene.clone().filter(|_| state.has_capture())?;
         // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
         let inspected = state.doc.inspected.as_ref().filter(|_| state.source.overlay.needs_verdicts());
-        let inspection = inspected.map(|inspected| inspected.inspection.clone());
+        let inspection = inspected.map(|inspected| Same(inspected.inspection.clone()));
         let key = SourceKey {
             scene: scene.id,
             camera: state.source.camera,
