@@ -61,10 +61,7 @@ impl OverlookApp {
             ([width, height], 1.0 - shown.picture.stats.holes as f64 / (width * height).max(1) as f64)
         });
         Observed {
-            is_idle: self.workers.are_idle()
-                && self.unread.is_none()
-                && state.opening.is_none()
-                && self.scheduler.is_up_to_date(state, &self.workers),
+            is_idle: self.workers.are_at_rest(state) && self.unread.is_none() && state.opening.is_none(),
             frame: state.timeline.frame,
             scene_name: scene.map(|scene| scene.name.as_str()),
             report: state.report().map(|report| (report, !state.is_stale())),

@@ -15,7 +15,7 @@ use crate::app::rooms::files::model::{FileCommand, Opening, TypedPath};
 use crate::app::rooms::frame::model::{DockView, NoticeKind, WindowCommand, Workspace};
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::theme;
-use crate::app::work::{Outbox, Scheduler, Unread, Workers};
+use crate::app::work::{Outbox, Unread, Workers};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Result;
 use overlook_engine::render::gpu::SharedDevice;
@@ -50,7 +50,6 @@ pub enum Start {
 pub struct OverlookApp {
     pub(crate) state: State,
     pub(crate) workers: Workers,
-    pub(crate) scheduler: Scheduler,
     pub(crate) dock: Dock,
     pub(crate) inbox: Receiver<Message>,
     /// What is in it, or about to be.
@@ -108,7 +107,6 @@ impl OverlookApp {
         let mut app = Self {
             state,
             workers,
-            scheduler: Scheduler::default(),
             dock,
             inbox,
             unread: outbox.unread(),
@@ -178,12 +176,11 @@ impl OverlookApp {
 
     /// Requests what is missing, and to be called again where that depends on time.
     fn request_missing(&mut self) {
-        let visible = self.visible_views();
-        let wait = self.scheduler.request_missing(&self.state, &visible, &mut self.workers);
-        if let Some(wait) = wait {
+        self.state.look.in_sight = self.visible_views();
+        self.state.follow_view();
+        if let Some(wait) = self.workers.request_missing(&self.state) {
             self.ctx.request_repaint_after(wait);
         }
-        self.state.look.in_sight = visible;
     }
 
     /// Leaves what the next run brings back.
@@ -267,7 +264,7 @@ impl OverlookApp {
         let workers = &self.workers;
         let watched = [
             (StoppableWork::Open, workers.open.progress(), true),
-            (StoppableWork::Whole, workers.whole.progress(), true),
+            (StoppableWork::Whole, workers.whole.worker.progress(), true),
             (StoppableWork::File, workers.file.progress(), true),
             (StoppableWork::Export, workers.export.progress(), true),
             (StoppableWork::Study, workers.study.progress(), true),

@@ -152,9 +152,9 @@ impl OverlookApp {
             return;
         }
         match work {
-            WorkKind::Prune if self.workers.whole.is_idle() => self.state.doc.stopped = true,
-            WorkKind::InspectFrame if self.workers.inspect.is_idle() => {
-                self.state.doc.failed_frame = self.scheduler.inspect.as_ref().map(|key| key.frame);
+            WorkKind::Prune if self.workers.whole.worker.is_idle() => self.state.doc.stopped = true,
+            WorkKind::InspectFrame if self.workers.inspect.worker.is_idle() => {
+                self.state.doc.failed_frame = self.workers.inspect.asked().map(|request| request.frame);
                 // Nothing goes on from here by itself.
                 self.state.doc.stopped |= self.state.doc.inspected.is_none();
             }

@@ -7,6 +7,7 @@ use crate::app::rooms::frame::model::WindowCommand;
 use crate::app::rooms::live::model::{ViewCommand, ViewHistory};
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::work::Workers;
 use crate::app::work::slot::AnySlot;
 
 impl OverlookApp {
@@ -35,10 +36,9 @@ impl OverlookApp {
             Command::Recompute => {
                 self.state.doc.stopped = false;
                 self.state.doc.failed_frame = None;
-                (self.scheduler.inspect, self.scheduler.whole) = (None, None);
-                self.workers.source.forget();
-                self.workers.measure.forget();
-                self.scheduler.changed_at = None;
+                self.state.doc.changed_at = None;
+                let Workers { inspect, whole, source, measure, .. } = &self.workers;
+                [inspect as &dyn AnySlot, whole, source, measure].into_iter().for_each(AnySlot::forget);
             }
             Command::Cancel => self.cancel(),
             Command::Escape => self.escape(),
@@ -65,11 +65,8 @@ impl OverlookApp {
         match work {
             StoppableWork::Open => workers.open.cancel(),
             StoppableWork::Whole => {
-                workers.whole.cancel();
-                if !self.state.is_whole_ready() {
-                    self.state.doc.stopped = true;
-                    self.scheduler.whole = None;
-                }
+                workers.whole.stop();
+                self.state.doc.stopped |= !self.state.is_whole_ready();
             }
             StoppableWork::File => workers.file.cancel(),
             StoppableWork::Export => workers.export.cancel(),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::Instant;
 
 use egui::TextureHandle;
 
@@ -14,6 +15,7 @@ use crate::app::rooms::compare::model::comparison::ShownComparison;
 use crate::app::rooms::edits::model::edits::SceneEdits;
 use crate::app::rooms::files::model::picture_folder::PictureFolder;
 use crate::app::rooms::live::model::kept_views::{KeptView, ViewPictures};
+use crate::app::rooms::live::model::motion_budget::ViewMotion;
 use crate::app::rooms::live::model::picture::{LiveKey, LivePicture, ShownCarried};
 use crate::app::rooms::live::model::view_history::ViewHistory;
 use crate::app::rooms::path::model::CameraPath;
@@ -50,8 +52,12 @@ pub(crate) struct Document {
     pub failed_frame: Option<usize>,
     /// The frame last pruned with reasons.
     pub inspected: Option<Inspected>,
+    /// When a setting was last changed that decides which samples stay; `None` where nothing waits for it to rest.
+    pub changed_at: Option<Instant>,
     pub accuracy: Option<Accuracy>,
     pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
+    /// How the live view moves.
+    pub motion: ViewMotion,
     /// The live picture that was painted last.
     pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
     /// That picture carried to where the view is now, until a new one is painted.

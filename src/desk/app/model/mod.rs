@@ -22,7 +22,7 @@ pub(crate) use command::{Command, Commands};
 pub(crate) use document::{Document, ShownPicture};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use message::Message;
-pub(crate) use results::{Accuracy, CameraMemory, Inspected, Whole, method_of};
+pub(crate) use results::{Accuracy, CameraMemory, Inspected, Method, Whole, method_of};
 pub(crate) use same::Same;
 pub(crate) use scene::{Content, OpenScene, SceneSource, median_depth, pivot_of_store};
 pub(crate) use state::{Busy, SIDES, State, StoppableWork};

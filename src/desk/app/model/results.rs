@@ -1,6 +1,7 @@
 //! What pruning and measuring gave.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
 use overlook_engine::preprocess::inspect::FrameInspection;
@@ -24,6 +25,8 @@ pub(crate) struct Inspected {
     pub kept: Vec<u64>,
     /// What became of all pixels of the frame.
     pub account: PixelAccount,
+    /// When it was done.
+    pub at: Instant,
 }
 
 /// How accurate the kept samples are where the truth is known.
@@ -44,6 +47,16 @@ pub(crate) struct CameraMemory {
     pub lasting_bytes: u64,
     /// Bytes of samples that are stored for one frame.
     pub frame_bytes: u64,
+}
+
+/// Settings that are equal where they decide on the same samples.
+#[derive(Clone)]
+pub(crate) struct Method(pub Settings);
+
+impl PartialEq for Method {
+    fn eq(&self, other: &Self) -> bool {
+        method_of(&self.0) == method_of(&other.0)
+    }
 }
 
 /// The settings that decide which samples stay: those of painting and caching set to their defaults.

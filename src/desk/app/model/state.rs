@@ -105,6 +105,11 @@ impl State {
         view != DockView::Time || self.has_time()
     }
 
+    /// Whether a view can be seen.
+    pub(crate) fn shows(&self, view: DockView) -> bool {
+        self.look.in_sight.contains(&view)
+    }
+
     /// What the source view can show of what is open.
     pub(crate) fn overlays(&self) -> impl Iterator<Item = (Overlay, &'static str, &'static str)> {
         let has_time = self.has_time();

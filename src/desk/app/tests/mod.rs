@@ -92,7 +92,7 @@ fn set_method(app: &mut OverlookApp, method: PruningMethod) {
 #[test]
 fn a_threshold_changed_and_taken_back_at_once_leaves_the_capture_to_be_pruned() {
     let mut app = start(4, 60);
-    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
+    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.worker.is_idle());
     set_method(&mut app, PruningMethod::Off);
     step(&mut app);
     set_method(&mut app, PruningMethod::HighestRate);

@@ -59,12 +59,12 @@ fn a_change_taken_back_while_the_capture_is_pruned_leaves_what_was_there() {
     let mut app = ready(4, 60);
     let before = app.state.doc.whole.as_ref().unwrap().samples.clone();
     set_method(&mut app, PruningMethod::Off);
-    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.is_idle());
+    wait(&mut app, "the capture to be pruned", |app| !app.workers.whole.worker.is_idle());
     app.apply(Command::Undo);
     step(&mut app);
     app.apply(Command::Cancel);
     assert!(!app.state.doc.stopped, "what is there was made with these settings");
-    wait(&mut app, "the abandoned work to stop", |app| app.workers.whole.is_idle());
+    wait(&mut app, "the abandoned work to stop", |app| app.workers.whole.worker.is_idle());
     settle(&mut app);
     assert!(Arc::ptr_eq(&before, &app.state.doc.whole.as_ref().unwrap().samples));
     set_method(&mut app, PruningMethod::Off);

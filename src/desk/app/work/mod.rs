@@ -1,12 +1,11 @@
 //! What the window computes, on threads of its own.
 //!
 //! ```text
-//! State ── Scheduler ──▶ requests ──▶ Workers (a thread each) ── Message ──▶ Outbox ──▶ window
+//! State ── Wanted (what is missing) ──▶ Slots ──▶ Workers (a thread each) ── Message ──▶ Outbox ──▶ window
 //! ```
 
 pub(crate) mod outbox;
 pub(crate) mod requests;
-pub(crate) mod scheduler;
 pub(crate) mod slot;
 pub(crate) mod worker;
 pub(crate) mod workers;
@@ -15,6 +14,4 @@ pub(crate) use outbox::{Outbox, Unread};
 pub(crate) use requests::{
     Export, ExportRequest, FigureExport, FileRequest, OpenRequest, PathExport, StudyRequest,
 };
-pub(crate) use scheduler::Scheduler;
-
 pub(crate) use workers::Workers;

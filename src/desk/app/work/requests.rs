@@ -17,7 +17,6 @@ use overlook_engine::capture::Camera;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::edits::EditList;
 use overlook_engine::page::PageOptions;
-use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::render::film::FilmSource;
 use overlook_engine::render::{Picture, Vantage};
@@ -38,17 +37,6 @@ pub(crate) enum OpenRequest {
     Room,
     /// A file or folder; `keys` of a manifest, with their values as JSON, count whatever its files say.
     Path { path: PathBuf, settings: CaptureSettings, keys: Vec<(String, String)> },
-}
-
-/// What to prune: the whole capture, or one frame.
-pub(crate) struct PruneRequest {
-    /// The scene, a capture.
-    pub scene: Arc<OpenScene>,
-    /// The pass over all frames, where it is done.
-    pub scan: Option<Arc<PreparedScan>>,
-    pub settings: Settings,
-    /// The frame; of no meaning for the whole capture.
-    pub frame: usize,
 }
 
 /// A file to read or write.

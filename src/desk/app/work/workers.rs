@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::worker::Supersede::{Alternate, Always, Never, Queue};
-use crate::app::model::{Message, WorkKind as Kind};
+use crate::app::model::{Message, State, WorkKind as Kind};
 use crate::app::rooms::charts::work::accuracy::{MeasureRequest, measure};
 use crate::app::rooms::charts::work::study;
 use crate::app::rooms::colors::work::values::{ValuesRequest, values};
@@ -23,6 +24,7 @@ use crate::app::rooms::pixel::work::{MemoryRequest, ThumbnailRequest};
 use crate::app::rooms::readings::work as readings;
 use crate::app::rooms::readings::work::ReadingRequest;
 use crate::app::rooms::report::work as pruning;
+use crate::app::rooms::report::work::{InspectRequest, PrepareRequest, WholeRequest};
 use crate::app::rooms::settings::work as histograms;
 use crate::app::rooms::settings::work::HistogramRequest;
 use crate::app::rooms::share::model::{ShareKey, SharePreviewKey};
@@ -30,7 +32,7 @@ use crate::app::rooms::share::work::{facts as share_facts, preview as share_prev
 use crate::app::rooms::source::work::image as source_image;
 use crate::app::rooms::source::work::image::SourceRequest;
 use crate::app::work::outbox::Outbox;
-use crate::app::work::requests::{ExportRequest, FileRequest, OpenRequest, PruneRequest, StudyRequest};
+use crate::app::work::requests::{ExportRequest, FileRequest, OpenRequest, StudyRequest};
 use crate::app::work::slot::{AnySlot, Slot};
 use crate::app::work::worker::Worker;
 use overlook_engine::error::{Error, Result};
@@ -42,14 +44,14 @@ use overlook_engine::render::{PictureCarrier, Renderer};
 pub(crate) struct Workers {
     pub open: Worker<OpenRequest>,
     /// The whole capture: scan, then prune.
-    pub whole: Worker<PruneRequest>,
-    pub inspect: Worker<PruneRequest>,
+    pub whole: Slot<WholeRequest>,
+    pub inspect: Slot<InspectRequest>,
     /// Candidate lists of that frame, before a threshold is turned.
-    pub prepare: Worker<PruneRequest>,
+    pub prepare: Slot<PrepareRequest>,
     pub source: Slot<SourceRequest>,
-    pub live: Worker<LiveKey>,
+    pub live: Slot<LiveKey>,
     /// The last live picture, as the view shows it now.
-    pub carry: Worker<CarryKey>,
+    pub carry: Slot<CarryKey>,
     pub measure: Slot<MeasureRequest>,
     pub file: Worker<FileRequest>,
     /// The system's dialogs, and the name that they suggest.
@@ -72,7 +74,7 @@ pub(crate) struct Workers {
     /// What edits leave of the samples.
     pub edits: Slot<EditKey>,
     /// How the capture is read, and how it would fit better.
-    pub readings: Worker<ReadingRequest>,
+    pub readings: Slot<ReadingRequest>,
 }
 
 /// The threads that workers share.
@@ -127,23 +129,23 @@ impl Workers {
         let preview = move |key, job: &Job| previewing.install(|| share_preview::preview(key, job));
         Ok(Self {
             open: Worker::start(Kind::Open, Always, outbox, opening::open)?,
-            whole: Worker::start(Kind::Prune, Always, outbox, move |request, job| {
+            whole: Slot::start(Kind::Prune, Always, outbox, move |request, job| {
                 background.install(|| pruning::prune_whole(request, &progress, job))
             })?,
-            inspect: Worker::start(Kind::InspectFrame, Alternate, outbox, pruning::inspect)?,
+            inspect: Slot::start(Kind::InspectFrame, Alternate, outbox, pruning::inspect)?,
             // A frame made ready for settings just left still serves most of what comes after.
-            prepare: Worker::start(Kind::PrepareFrame, Never, outbox, move |request, job| {
+            prepare: Slot::start(Kind::PrepareFrame, Never, outbox, move |request, job| {
                 preparing.install(|| pruning::prepare(&request, job))
             })?,
             source: Slot::start(Kind::SourcePicture, Never, outbox, move |request, _| {
                 source_image::paint_source(request, &decoder)
             })?,
-            live: Worker::start(Kind::LiveView, Never, outbox, move |key, job| {
+            live: Slot::start(Kind::LiveView, Never, outbox, move |key, job| {
                 let paint = || live_image::paint(&mut renderer, &mut filter, &key, job);
                 let picture = rendering.install(paint)?;
                 Ok(Message::LivePainted { key, picture: Arc::new(picture) })
             })?,
-            carry: Worker::start(Kind::CarriedPicture, Never, outbox, move |key, _| {
+            carry: Slot::start(Kind::CarriedPicture, Never, outbox, move |key, _| {
                 Ok(carrying.install(|| carry::carry(&mut carrier, key)))
             })?,
             measure: Slot::start(Kind::MeasureAccuracy, Always, outbox, move |request, job| {
@@ -183,7 +185,7 @@ impl Workers {
             show_in_folder: Worker::start(Kind::ShowInFolder, Queue, outbox, |path: PathBuf, _| {
                 share_facts::show_in_folder(&path)
             })?,
-            readings: Worker::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
+            readings: Slot::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
             })?,
             edits: Slot::start(Kind::EditSamples, Never, outbox, move |key, job| {
@@ -195,26 +197,11 @@ impl Workers {
         })
     }
 
-    /// What follows from the state alone.
-    pub(crate) fn slots(&mut self) -> [&mut dyn AnySlot; 11] {
+    /// All work that follows from the state, in the order in which it is asked for.
+    pub(crate) fn slots(&self) -> [&dyn AnySlot; 17] {
         [
-            &mut self.source,
-            &mut self.measure,
-            &mut self.probe,
-            &mut self.thumbs,
-            &mut self.memory,
-            &mut self.histograms,
-            &mut self.values,
-            &mut self.compare,
-            &mut self.sizes,
-            &mut self.preview,
-            &mut self.edits,
-        ]
-    }
-
-    /// Whether nothing runs or waits. An open dialog waits for the person.
-    pub(crate) fn are_idle(&self) -> bool {
-        let slots: [&dyn AnySlot; 11] = [
+            &self.inspect,
+            &self.prepare,
             &self.source,
             &self.measure,
             &self.probe,
@@ -226,19 +213,26 @@ impl Workers {
             &self.sizes,
             &self.preview,
             &self.edits,
-        ];
-        slots.iter().all(|slot| slot.is_idle())
+            &self.live,
+            &self.carry,
+            &self.readings,
+            &self.whole,
+        ]
+    }
+
+    /// Asks for everything that the state needs and that was not asked for. Gives the time after which to call again, if any.
+    pub(crate) fn request_missing(&self, state: &State) -> Option<Duration> {
+        self.slots().into_iter().filter_map(|slot| slot.ask(state)).min()
+    }
+
+    /// Whether nothing runs or waits, and nothing is missing. An open dialog waits for the person.
+    pub(crate) fn are_at_rest(&self, state: &State) -> bool {
+        self.slots().into_iter().all(|slot| slot.is_at_rest(state))
             && self.open.is_idle()
-            && self.whole.is_idle()
-            && self.inspect.is_idle()
-            && self.prepare.is_idle()
-            && self.live.is_idle()
-            && self.carry.is_idle()
             && self.file.is_idle()
             && self.check.is_idle()
             && self.export.is_idle()
             && self.study.is_idle()
-            && self.readings.is_idle()
     }
 }
 

@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use super::model::{EditKey, EditedScene, SelectionPlace};
 use crate::app::model::scene::Content;
 use crate::app::model::{Message, Same, State};
-use crate::app::rooms::frame::model::DockView;
 use crate::app::theme::Tokens;
 use crate::app::work::slot::Wanted;
 use overlook_engine::color::linear_from_srgb;
@@ -21,7 +20,7 @@ use overlook_engine::samples::{ImageBuffer, SampleImage, SampleSet};
 
 impl Wanted for EditKey {
     /// Edits applied to the samples, with what is selected of them.
-    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+    fn wanted(state: &State) -> Option<Self> {
         let samples = state.samples_to_edit().filter(|_| state.doc.edits.are_in_use())?;
         Some(Self {
             scene: state.doc.scene.clone()?,

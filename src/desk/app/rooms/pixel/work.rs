@@ -17,7 +17,7 @@ use overlook_engine::render::output::pick;
 use overlook_engine::samples::SampleSet;
 
 impl Wanted for ProbeKey {
-    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+    fn wanted(state: &State) -> Option<Self> {
         let shown = state.doc.live_shown.as_ref();
         let (scene, spot) = (state.doc.scene.clone()?, state.doc.probe.spot?);
         let is_live = matches!(spot, Spot::Live { .. });
@@ -30,8 +30,8 @@ impl Wanted for ProbeKey {
         Some(Self { scene, spot, inspection, whole: state.current_whole().cloned().map(Same), live })
     }
 
-    fn is_forgotten(state: &State) -> bool {
-        state.doc.probe.spot.is_none()
+    fn is_of_use(&self, state: &State) -> bool {
+        state.doc.probe.spot.is_some()
     }
 }
 
@@ -43,11 +43,10 @@ pub(crate) struct ThumbnailRequest {
 }
 
 impl Wanted for ThumbnailRequest {
-    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
-        let guides =
-            state.live.show_cameras && state.live.guides.pictures && visible.contains(&DockView::Live);
+    fn wanted(state: &State) -> Option<Self> {
+        let guides = state.live.show_cameras && state.live.guides.pictures && state.shows(DockView::Live);
         // In motion they would be made anew for every frame, for nobody to look at.
-        let is_seen = visible.contains(&DockView::Cameras) || (guides && !state.timeline.playing);
+        let is_seen = state.shows(DockView::Cameras) || (guides && !state.timeline.playing);
         let inspection = state.inspection_here().filter(|_| is_seen)?.clone();
         Some(Self { scene: state.doc.scene.as_ref()?.id, inspection: Same(inspection) })
     }
@@ -61,9 +60,9 @@ pub(crate) struct MemoryRequest {
 }
 
 impl Wanted for MemoryRequest {
-    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
+    fn wanted(state: &State) -> Option<Self> {
         // A store plays from disk: its sample set is an outline.
-        let is_seen = visible.contains(&DockView::Memory) && state.has_capture();
+        let is_seen = state.shows(DockView::Memory) && state.has_capture();
         let samples = state.whole_samples().filter(|_| is_seen)?.clone();
         Some(Self { scene: state.doc.scene.as_ref()?.id, samples: Same(samples) })
     }

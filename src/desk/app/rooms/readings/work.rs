@@ -5,7 +5,8 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage};
 
 use super::model::ReadingImages;
-use crate::app::model::{Message, OpenScene};
+use crate::app::model::{Message, OpenScene, Same, SceneSource, State};
+use crate::app::work::slot::Wanted;
 use overlook_engine::capture::conventions::{self, Finding};
 use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::error::Result;
@@ -15,11 +16,29 @@ use overlook_engine::grid::Grid;
 const WIDTH: usize = 320;
 
 /// The questions about the readings of a scene.
+#[derive(Clone, PartialEq)]
 pub(crate) enum ReadingRequest {
     /// Whether another reading fits better.
     Check(Arc<OpenScene>),
     /// Pictures of the reading as it is, and of the one that a finding names.
-    Show(Arc<OpenScene>, Arc<Finding>),
+    Show(Arc<OpenScene>, Same<Finding>),
+}
+
+impl Wanted for ReadingRequest {
+    /// Once the first frame is shown: whether the capture's files are read as they are meant. A built-in scene is.
+    fn wanted(state: &State) -> Option<Self> {
+        let scene =
+            state.doc.scene.clone().filter(|_| state.doc.inspected.is_some() && state.has_capture())?;
+        let readings = &state.doc.readings;
+        if !matches!(scene.origin, SceneSource::Path(_)) || readings.trouble.is_some() {
+            return None;
+        }
+        match &readings.finding {
+            None => (!scene.is_reread).then_some(Self::Check(scene)),
+            Some(finding) => (readings.is_open && readings.shown.is_none())
+                .then(|| Self::Show(scene, Same(finding.clone()))),
+        }
+    }
 }
 
 /// Answers one request.

@@ -1,22 +1,111 @@
 //! Prunes the open capture: all of it, or the frame shown.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use crate::app::model::{Inspected, Message};
+use crate::app::model::{Inspected, Message, Method, OpenScene, Same, State};
 use crate::app::work::outbox::Outbox;
-use crate::app::work::requests::PruneRequest;
+use crate::app::work::slot::Wanted;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess;
+use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::PixelAccount;
 
+/// How long a slider must rest before the whole capture is pruned again.
+const DEBOUNCE: Duration = Duration::from_millis(400);
+
+/// How long a frame must rest before it is prepared for interactive thresholds.
+const REST: Duration = Duration::from_millis(200);
+
+/// A frame to be pruned, with reasons.
+#[derive(Clone, PartialEq)]
+pub(crate) struct InspectRequest {
+    /// The scene, a capture.
+    scene: Arc<OpenScene>,
+    /// The pass over all frames, where it is done.
+    scan: Option<Same<PreparedScan>>,
+    settings: Method,
+    pub frame: usize,
+}
+
+impl InspectRequest {
+    fn of(state: &State) -> Option<Self> {
+        Some(Self {
+            scene: state.doc.scene.clone().filter(|_| state.has_capture())?,
+            scan: state.doc.scan.clone().map(Same),
+            settings: Method(state.settings.clone()),
+            frame: state.timeline.frame,
+        })
+    }
+}
+
+impl Wanted for InspectRequest {
+    fn wanted(state: &State) -> Option<Self> {
+        Self::of(state).filter(|_| !state.skips_verdicts())
+    }
+}
+
+/// A frame to be made ready for its thresholds to be turned.
+#[derive(Clone, PartialEq)]
+pub(crate) struct PrepareRequest(InspectRequest);
+
+impl Wanted for PrepareRequest {
+    const IS_SHOWN: bool = false;
+
+    fn wanted(state: &State) -> Option<Self> {
+        let inspected = state.doc.inspected.as_ref().filter(|inspected| inspected.with_scan)?;
+        let request = InspectRequest::of(state).filter(|_| Self::changes_in(state).is_none())?;
+        let is_inspected = inspected.inspection.frame == request.frame
+            && Method(inspected.settings.clone()) == request.settings;
+        (is_inspected && !state.timeline.playing).then_some(Self(request))
+    }
+
+    fn changes_in(state: &State) -> Option<Duration> {
+        left_of(REST, state.doc.inspected.as_ref()?.at)
+    }
+}
+
+/// The whole capture to be pruned.
+#[derive(Clone)]
+pub(crate) struct WholeRequest(InspectRequest);
+
+impl PartialEq for WholeRequest {
+    /// The frame does not count, nor does the scan, which is made where there is none.
+    fn eq(&self, other: &Self) -> bool {
+        self.0.scene == other.0.scene && self.0.settings == other.0.settings
+    }
+}
+
+impl Wanted for WholeRequest {
+    fn wanted(state: &State) -> Option<Self> {
+        let rests = Self::changes_in(state).is_none();
+        // The first look at the first frame goes before everything else.
+        let is_due = rests && !state.is_whole_ready() && !state.doc.stopped && state.doc.inspected.is_some();
+        InspectRequest::of(state).filter(|_| is_due).map(Self)
+    }
+
+    /// What works with settings that were left is stopped.
+    fn is_of_use(&self, state: &State) -> bool {
+        self.0.settings == Method(state.settings.clone())
+    }
+
+    fn changes_in(state: &State) -> Option<Duration> {
+        left_of(DEBOUNCE, state.doc.changed_at.filter(|_| state.has_capture())?)
+    }
+}
+
+/// What is left of a time since a moment; `None` where it is over.
+fn left_of(time: Duration, since: Instant) -> Option<Duration> {
+    time.checked_sub(since.elapsed()).filter(|left| !left.is_zero())
+}
+
 /// Prunes a whole capture, after the pass over its frames.
-pub(crate) fn prune_whole(request: PruneRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
-    let PruneRequest { scene, scan, settings, .. } = request;
+pub(crate) fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
+    let InspectRequest { scene, scan, settings: Method(settings), .. } = request.0;
     let capture = scene.source()?;
     let mut read_seconds = None;
-    let scan = if let Some(scan) = scan.filter(|scan| scan.serves(&settings)) {
+    let scan = if let Some(Same(scan)) = scan.filter(|scan| scan.serves(&settings)) {
         scan
     } else {
         let started = Instant::now();
@@ -30,24 +119,25 @@ pub(crate) fn prune_whole(request: PruneRequest, outbox: &Outbox, job: &Job) -> 
 }
 
 /// Prunes one frame, with reasons.
-pub(crate) fn inspect(request: PruneRequest, job: &Job) -> Result<Message> {
-    let PruneRequest { scene, scan, settings, frame } = request;
-    let inspection = preprocess::inspect_frame(scene.source()?, scan.as_deref(), &settings, frame, job)?;
+pub(crate) fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
+    let InspectRequest { scene, scan, settings: Method(settings), frame } = request;
+    let known = scan.as_deref().map(|scan| &**scan);
+    let inspection = preprocess::inspect_frame(scene.source()?, known, &settings, frame, job)?;
     let mut kept = vec![0; inspection.cameras.len()];
     for image in &inspection.samples.images {
         kept[image.camera as usize] += image.len() as u64;
     }
     let verdicts = inspection.cameras.iter().flat_map(|camera| camera.verdict.as_slice());
     let account = PixelAccount::of_frame(verdicts.map(|verdict| verdict.rule));
-    let inspection = Arc::new(inspection);
-    let inspected = Inspected { inspection, settings, with_scan: scan.is_some(), kept, account };
+    let (inspection, with_scan, at) = (Arc::new(inspection), scan.is_some(), Instant::now());
+    let inspected = Inspected { inspection, settings, with_scan, kept, account, at };
     Ok(Message::Inspected { scene: scene.id, inspected })
 }
 
 /// Makes a frame ready for its thresholds to be turned.
-pub(crate) fn prepare(request: &PruneRequest, job: &Job) -> Result<Message> {
+pub(crate) fn prepare(PrepareRequest(request): &PrepareRequest, job: &Job) -> Result<Message> {
     if let (capture, Some(scan)) = (request.scene.source()?, &request.scan) {
-        preprocess::prepare_frame(capture, scan, &request.settings, request.frame, job)?;
+        preprocess::prepare_frame(capture, scan, &request.settings.0, request.frame, job)?;
     }
     Ok(Message::Prepared)
 }

@@ -28,8 +28,8 @@ pub(crate) struct HistogramRequest {
 }
 
 impl Wanted for HistogramRequest {
-    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
-        let is_seen = visible.contains(&DockView::Thresholds) && !state.timeline.playing;
+    fn wanted(state: &State) -> Option<Self> {
+        let is_seen = state.shows(DockView::Thresholds) && !state.timeline.playing;
         let inspected = state.doc.inspected.as_ref().filter(|_| is_seen)?;
         Some(Self {
             scene: state.doc.scene.as_ref()?.id,

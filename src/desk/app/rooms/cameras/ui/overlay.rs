@@ -119,7 +119,7 @@ pub(crate) fn is_chosen(state: &State, camera: usize) -> bool {
 
 /// What clicks on a camera do, in a line.
 pub(crate) fn clicks(state: &State) -> &'static str {
-    if state.look.in_sight.contains(&DockView::Source) {
+    if state.shows(DockView::Source) {
         "Click: show its picture. Double-click: view from it."
     } else {
         "Click: choose it; the View panel marks it. Double-click: view from it."

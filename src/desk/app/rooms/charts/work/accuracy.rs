@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use crate::app::model::{Accuracy, Content, OpenScene, Same, State};
-use crate::app::rooms::frame::model::DockView;
 use crate::app::work::slot::Wanted;
 use overlook_engine::capture::{Frame, TruthView};
 use overlook_engine::error::Result;
@@ -31,7 +30,7 @@ pub(crate) struct MeasureRequest {
 }
 
 impl Wanted for MeasureRequest {
-    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+    fn wanted(state: &State) -> Option<Self> {
         let (scene, whole) = (state.doc.scene.as_ref()?, state.doc.whole.as_ref()?);
         (!state.is_stale() && !state.timeline.playing).then(|| Self {
             scene: scene.clone(),

@@ -28,8 +28,8 @@ pub(crate) struct ValuesRequest {
 
 impl Wanted for ValuesRequest {
     /// Once the live view rests, while the panel that shows them is open.
-    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
-        let shown = state.doc.live_shown.as_ref().filter(|_| visible.contains(&DockView::Color))?;
+    fn wanted(state: &State) -> Option<Self> {
+        let shown = state.doc.live_shown.as_ref().filter(|_| state.shows(DockView::Color))?;
         let key = &shown.key;
         if key.color_by != ColorBy::Value || key.quality.is_some() || key.in_motion {
             return None;

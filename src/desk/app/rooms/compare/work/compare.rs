@@ -28,8 +28,8 @@ use overlook_lab::{picture_of_frame, truth};
 
 impl Wanted for Box<CompareKey> {
     /// Compares at the vantage, and with the samples, of the last live picture.
-    fn wanted(state: &State, visible: &[DockView]) -> Option<Self> {
-        let mut key = state.compare_key().filter(|_| visible.contains(&DockView::Compare))?;
+    fn wanted(state: &State) -> Option<Self> {
+        let mut key = state.compare_key().filter(|_| state.shows(DockView::Compare))?;
         let sides = key.choice.sides;
         // What no side shows asks for nothing.
         for (nth, side) in [(1, CompareSide::A), (2, CompareSide::B)] {

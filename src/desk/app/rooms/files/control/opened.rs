@@ -24,13 +24,8 @@ impl OverlookApp {
         self.show_views_of_scene();
         self.notify_of_opened(scene);
         // Work for the closed scene stops, except for files that are being written.
-        self.workers.whole.cancel();
-        self.workers.measure.worker.cancel();
+        self.workers.slots().into_iter().for_each(AnySlot::stop);
         self.workers.study.cancel();
-        self.workers.compare.worker.cancel();
-        self.workers.readings.cancel();
-        self.scheduler = crate::app::work::Scheduler::default();
-        self.workers.slots().into_iter().for_each(AnySlot::forget);
         if let Some(session) = &scene.session {
             self.take_session(session, scene);
         }

@@ -16,13 +16,15 @@ impl OverlookApp {
     pub(crate) fn live_painted(&mut self, key: LiveKey, picture: Arc<LivePicture>) {
         let state = &mut self.state;
         state.report_damage(&picture.damage);
-        self.scheduler.live.painted(&key, &picture, state);
+        state.doc.motion.painted(&key, &picture, &state.timeline);
         if state.timeline.playing {
             state.timeline.shown.add(key.vantage.frame, Instant::now());
         }
         let is_behind = !state.looks_from(&key.vantage.camera);
         let carried = state.doc.live_carried.take().filter(|_| is_behind && picture.rendered().is_some());
-        if carried.is_some() && self.scheduler.live.is_late(&key) {
+        let rests = || self.workers.live.asked().is_some_and(|asked| asked.quality.is_none());
+        // One in motion is of no use after that at rest was asked for.
+        if carried.is_some() && key.quality.is_some() && rests() {
             state.doc.live_carried = carried;
             return;
         }

@@ -1,5 +1,13 @@
-//! How much of the settings a picture in motion keeps: as much as fits a budget of time, by what earlier pictures took.
+//! How the live view moves, and how much of the settings a picture in motion keeps: as much as fits a budget of time, by what earlier
+//! pictures took.
 
+use std::time::{Duration, Instant};
+
+use super::picture::{LiveKey, LivePicture};
+use crate::app::model::Same;
+use crate::app::rooms::timeline::model::Timeline;
+use overlook_engine::render::Vantage;
+use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Antialias, Coarse, Magnified, RenderSettings};
 
 /// Milliseconds that a picture may take while the view moves: pictures that are carried to the new viewpoint fill the time between.
@@ -135,6 +143,73 @@ impl MotionBudget {
 fn budget_ms(frame_rate: Option<f32>) -> f64 {
     let of_frame = frame_rate.map_or(f64::INFINITY, |rate| SHARE_OF_FRAME * 1e3 / f64::from(rate));
     BUDGET_MS.min(of_frame)
+}
+
+/// The live view is at rest after this long at one vantage.
+const REST: Duration = Duration::from_millis(120);
+
+/// The same while a button is held: whoever drags may pause.
+const REST_WHILE_HELD: Duration = Duration::from_millis(200);
+
+/// How the live view moves, and how finely it is painted meanwhile.
+#[derive(Default)]
+pub(crate) struct ViewMotion {
+    /// Where it looked from and when.
+    vantage: Option<Vantage>,
+    /// The samples that edits and the selection left.
+    edited: Option<Same<SampleSet>>,
+    /// When it last looked elsewhere, or at another frame or other edits.
+    moved_at: Option<Instant>,
+    was_held: bool,
+    pub budget: MotionBudget,
+}
+
+impl ViewMotion {
+    /// Notes where the view looks from now, and at what.
+    pub(crate) fn follow(
+        &mut self,
+        vantage: Vantage,
+        edited: Option<Same<SampleSet>>,
+        is_held: bool,
+        playing: bool,
+    ) {
+        let is_first = self.vantage.is_none();
+        if self.vantage.as_ref() != Some(&vantage) {
+            // The first picture is not in motion, unless time passes from the start.
+            self.moved_at = (!is_first || playing).then(Instant::now);
+            self.vantage = Some(vantage);
+        }
+        if std::mem::replace(&mut self.was_held, is_held) && !is_held {
+            // Whoever lets go has arrived.
+            self.moved_at = None;
+        }
+        // What is selected or cut anew is shown at once, as if the view had moved.
+        if edited.is_some() && edited != self.edited && !is_first {
+            self.moved_at = Some(Instant::now());
+        }
+        self.edited = edited;
+    }
+
+    /// How long until the view rests; `None` once it does. `changed_at` is when a setting was last changed.
+    pub(crate) fn rests_in(&self, changed_at: Option<Instant>) -> Option<Duration> {
+        let rest = if self.was_held { REST_WHILE_HELD } else { REST };
+        let since = [self.moved_at, changed_at].into_iter().flatten().map(|at| at.elapsed()).min()?;
+        rest.checked_sub(since).filter(|left| !left.is_zero())
+    }
+
+    /// Takes in what a picture took.
+    pub(crate) fn painted(&mut self, key: &LiveKey, picture: &LivePicture, timeline: &Timeline) {
+        let took_ms = picture.took.as_secs_f64() * 1e3;
+        match key.quality {
+            // A background that is painted anew as the quality changes is no measure for those that follow.
+            Some(_) if timeline.playing && !picture.stats.background_reused => {}
+            Some(quality) => {
+                let rate = timeline.playing.then_some(timeline.frames_per_second);
+                self.budget.moved(quality, took_ms, rate);
+            }
+            None => self.budget.rested(took_ms, key.per_coarse_pixel.powi(2)),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,6 @@ use super::sharing::temporary_folder;
 use crate::app::model::{Content, Message, OpenScene, Same, State};
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::files::work::files::save_picture;
-use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::live::model::{LivePicture, PixelSource};
 use crate::app::rooms::share::model::{PictureFacts, ShareFacts, ShareKey};
 use crate::app::work::slot::Wanted;
@@ -24,7 +23,7 @@ const MEASURED_SAMPLES: u64 = 1_000_000;
 
 impl Wanted for ShareKey {
     /// What sizes follow from, while the dialog that shows them is open.
-    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+    fn wanted(state: &State) -> Option<Self> {
         let samples = state.samples_here().filter(|_| state.share.is_open)?;
         let shown = state.doc.live_shown.as_ref().filter(|shown| shown.key.quality.is_none());
         Some(Self {

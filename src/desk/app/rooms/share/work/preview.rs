@@ -8,7 +8,6 @@ use half::f16;
 use super::facts::samples_of_frame;
 use crate::app::colormap::recorded;
 use crate::app::model::{Message, State};
-use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::share::model::{SharePreview, SharePreviewKey};
 use crate::app::work::slot::Wanted;
 use overlook_engine::color::srgb_from_linear;
@@ -20,7 +19,7 @@ use overlook_engine::samples::SampleSet;
 use overlook_lab::metrics::psnr_db;
 
 impl Wanted for SharePreviewKey {
-    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+    fn wanted(state: &State) -> Option<Self> {
         state.share_preview_key()
     }
 }

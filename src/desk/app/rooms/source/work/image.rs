@@ -9,7 +9,6 @@ use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, mix, recorded, sequential};
 use crate::app::model::{Message, OpenScene, Same, State};
 use crate::app::rooms::colors::work::{background_at, displayed, histogram_of};
-use crate::app::rooms::frame::model::DockView;
 use crate::app::rooms::source::model::{Legend, Overlay, SourceKey, SourcePicture, ranked};
 use crate::app::theme::Tokens;
 use crate::app::work::slot::Wanted;
@@ -34,7 +33,7 @@ pub(crate) struct SourceRequest {
 }
 
 impl Wanted for SourceRequest {
-    fn wanted(state: &State, _visible: &[DockView]) -> Option<Self> {
+    fn wanted(state: &State) -> Option<Self> {
         let scene = state.doc.scene.clone().filter(|_| state.has_capture())?;
         // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
         let inspected = state.doc.inspected.as_ref().filter(|_| state.source.overlay.needs_verdicts());
