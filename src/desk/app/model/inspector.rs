@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use crate::app::model::frame_timer::Meter;
+use crate::app::model::undo::History;
 use crate::app::rooms::compare::model::comparison::CompareLook;
 use crate::app::rooms::frame::model::notice::{LogLine, NoticeKind};
 use crate::app::rooms::help::model::{CommandPalette, HelpPage};
 use crate::app::rooms::settings::model::presets::OwnPreset;
-use crate::app::rooms::settings::model::undo::History;
 
 /// Entries the log keeps.
 const LOG: usize = 500;

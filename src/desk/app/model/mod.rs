@@ -16,6 +16,7 @@ pub(crate) mod scene;
 pub(crate) mod state;
 pub(crate) mod text;
 pub(crate) mod texture;
+pub(crate) mod undo;
 pub(crate) mod work_kind;
 
 pub(crate) use command::{Command, Commands};
@@ -30,4 +31,5 @@ pub(crate) use text::{
     account_parts, bytes, count, count_of, percent, sentence, significant, time_left, took, words,
 };
 pub(crate) use texture::Texture;
+pub(crate) use undo::{Part, SettingsSlot, Undoable};
 pub(crate) use work_kind::WorkKind;

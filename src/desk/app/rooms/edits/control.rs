@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::model::{BRUSH_RADII, EditCommand, EditKey, EditedScene};
 use crate::app::control::overlook_app::OverlookApp;
+use crate::app::model::{Part, Undoable};
 use crate::app::rooms::frame::model::NoticeKind;
 use crate::app::work::FileRequest;
 use overlook_engine::edits::{Action, Edit, EditList, Region};
@@ -14,6 +15,8 @@ impl OverlookApp {
     pub(crate) fn apply_to_edits(&mut self, command: EditCommand) {
         let frame_number = self.state.frame_number();
         let edits = &mut self.state.doc.edits;
+        let before = Undoable::Edits(edits.list.clone());
+        let mut part = None;
         match command {
             EditCommand::Select(region) => edits.selection = Some(edits.combined(region, edits.combine)),
             EditCommand::Draw { region, combine, is_done: false } => edits.draft = Some((region, combine)),
@@ -43,7 +46,7 @@ impl OverlookApp {
             EditCommand::Act(action) => {
                 let edit = edits.edit_of_selection(action, frame_number.unwrap_or_default());
                 if let Some(edit) = edit {
-                    edits.change(true, |list| list.edits.push(edit));
+                    edits.list.edits.push(edit);
                     (edits.selection, edits.tool) = (None, None);
                 }
             }
@@ -57,35 +60,37 @@ impl OverlookApp {
                     names => counted(names.len(), "camera"),
                 };
                 let edit = Edit::new(format!("Leave out {what}"), Action::LeaveOut, Region::Cameras(names));
-                edits.change(true, |list| list.edits.push(edit));
+                edits.list.edits.push(edit);
             }
-            EditCommand::Switch(index, on) => edits.change(true, |list| {
-                if let Some(edit) = list.edits.get_mut(index) {
+            EditCommand::Switch(index, on) => {
+                if let Some(edit) = edits.list.edits.get_mut(index) {
                     edit.is_on = on;
                 }
-            }),
-            EditCommand::Rename(index, name) => edits.change(false, |list| {
-                if let Some(edit) = list.edits.get_mut(index) {
+            }
+            EditCommand::Rename(index, name) => {
+                if let Some(edit) = edits.list.edits.get_mut(index) {
                     edit.name = name;
+                    part = Some(Part::EditName(index));
                 }
-            }),
-            EditCommand::Move(from, to) => edits.change(true, |list| {
-                if from < list.edits.len() && to < list.edits.len() {
-                    let edit = list.edits.remove(from);
-                    list.edits.insert(to, edit);
+            }
+            EditCommand::Move(from, to) => {
+                if from.max(to) < edits.list.edits.len() {
+                    let edit = edits.list.edits.remove(from);
+                    edits.list.edits.insert(to, edit);
                 }
-            }),
-            EditCommand::Remove(index) => edits.change(true, |list| {
-                if index < list.edits.len() {
-                    list.edits.remove(index);
+            }
+            EditCommand::Remove(index) => {
+                if index < edits.list.edits.len() {
+                    edits.list.edits.remove(index);
                 }
-            }),
+            }
             EditCommand::SelectOf(index) => {
                 if let Some(edit) = edits.list.edits.get(index) {
                     edits.selection = Some(edit.region.clone());
                 }
             }
         }
+        self.state.note_change(before, part);
     }
 
     /// Takes in what edits leave, or why they cannot be applied.
@@ -117,9 +122,7 @@ impl OverlookApp {
         {
             return self.state.notify(NoticeKind::Error, "Edits not opened", error.to_string());
         }
-        let edits = &mut self.state.doc.edits;
-        edits.saved = list.clone();
-        edits.change(true, |known| *known = list);
+        self.state.take_edits(list);
         self.state.notify(NoticeKind::Done, "Edits opened", path.display().to_string());
     }
 }

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::model::{CameraPath, PathCommand, PathShape, SavedPathKey};
+use super::model::{CameraPath, PathCommand, SavedPathKey};
 use crate::app::control::overlook_app::OverlookApp;
-use crate::app::model::OpenScene;
+use crate::app::model::{OpenScene, Part, Undoable};
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::live::model::OrbitCamera;
 use overlook_engine::capture::transforms::{Easing, PathFile, PathView};
@@ -17,7 +17,7 @@ impl OverlookApp {
         let here = self.state.live.orbit.clone().map(|orbit| SavedPathKey { orbit, frame, pictures: None });
         let rate = f64::from(self.state.timeline.frames_per_second);
         let path = &mut self.state.doc.path;
-        let before = path.shape();
+        let before = Undoable::Path(path.shape());
         let mut moved = None;
         match command {
             PathCommand::AddKey => {
@@ -62,7 +62,7 @@ impl OverlookApp {
             PathCommand::PictureSize(size) => path.size = Some(size),
             PathCommand::Play(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
         }
-        self.keys_changed(before, moved);
+        self.state.note_change(before, moved.map(Part::PathKey));
     }
 
     fn add_key(&mut self, key: SavedPathKey) {
@@ -88,14 +88,6 @@ impl OverlookApp {
         self.picture_view();
     }
 
-    /// Notes what the keys of the path were, so that the change can be taken back.
-    pub(crate) fn keys_changed(&mut self, before: PathShape, moved: Option<usize>) {
-        let path = &mut self.state.doc.path;
-        let changes = path.shape() != before;
-        path.note_change(before, moved);
-        self.state.doc.edits.is_latest &= !changes;
-    }
-
     /// Moves the view to a key of the path.
     pub(crate) fn go_to_key(&mut self, key: SavedPathKey) {
         self.state.live.orbit = Some(key.orbit);
@@ -113,7 +105,7 @@ impl OverlookApp {
     /// Takes the keys among some views after those that are there; gives how many.
     pub(crate) fn take_path_views(&mut self, scene: &OpenScene, views: &[PathView], easing: Easing) -> usize {
         let path = &mut self.state.doc.path;
-        let (is_new, before) = (path.keys.is_empty(), path.shape());
+        let (is_new, before) = (path.keys.is_empty(), Undoable::Path(path.shape()));
         let keys: Vec<SavedPathKey> =
             views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)).collect();
         let count = keys.len();
@@ -124,7 +116,7 @@ impl OverlookApp {
             path.easing = easing;
             path.saved = path.keys.clone();
         }
-        self.keys_changed(before, None);
+        self.state.note_change(before, None);
         count
     }
 

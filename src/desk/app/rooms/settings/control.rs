@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::model::{PRESETS, SettingsCommand};
 use crate::app::control::overlook_app::OverlookApp;
 
-use crate::app::model::method_of;
+use crate::app::model::{Part, Undoable, method_of};
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::settings::model::keep;
 use crate::app::work::slot::AnySlot;
@@ -62,13 +62,14 @@ impl OverlookApp {
 
     /// Takes back the last change of edits, of the camera path or of settings, whichever it was; or makes it again.
     pub(crate) fn undo_or_redo(&mut self, undo: bool) {
-        let state = &mut self.state;
-        if state.doc.edits.step(undo) || state.doc.path.step(undo) {
-            return;
-        }
-        let (history, now) = (&mut state.inspector.history, &state.settings);
-        if let Some(settings) = if undo { history.undo(now) } else { history.redo(now) } {
-            self.put_settings(settings);
+        let mut history = std::mem::take(&mut self.state.inspector.history);
+        let step = history.step(undo, |step| self.state.now(step));
+        self.state.inspector.history = history;
+        match step {
+            Some(Undoable::Settings(_, settings)) => self.put_settings(*settings),
+            Some(Undoable::Edits(list)) => self.state.doc.edits.list = list,
+            Some(Undoable::Path(shape)) => self.state.doc.path.take_shape(shape),
+            None => {}
         }
     }
 
@@ -89,10 +90,9 @@ impl OverlookApp {
     /// Changes settings. Changes of the same `number` in quick succession are one step of undo; without one, each is.
     fn change_settings_by(&mut self, number: Option<&'static str>, settings: Settings) {
         if settings != self.state.settings {
-            self.state.inspector.history.record(&self.state.settings, number, Instant::now());
-            self.state.doc.edits.is_latest = false;
-            self.state.doc.path.changes.is_latest = false;
+            let before = self.state.undoable_settings();
             self.put_settings(settings);
+            self.state.note_change(before, number.map(Part::Setting));
         }
     }
 

@@ -4,7 +4,7 @@ use super::comparison::CompareKey;
 use super::figure::ComparisonFigure;
 use crate::app::model::Same;
 use crate::app::model::state::State;
-use crate::app::rooms::settings::model::undo::SettingsSlot;
+use crate::app::model::undo::SettingsSlot;
 use std::sync::Arc;
 
 impl State {

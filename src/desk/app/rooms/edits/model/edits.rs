@@ -1,4 +1,4 @@
-//! The edits of the open scene: the list with its undo, what is selected, and what both leave of the samples.
+//! The edits of the open scene: the list, what is selected, and what both leave of the samples.
 
 use std::sync::Arc;
 
@@ -8,7 +8,6 @@ use super::command::{Combine, DrawnDepth, EditTime, EditTool};
 use super::region::{join_stroke, words};
 use crate::app::model::Same;
 use crate::app::model::scene::OpenScene;
-use crate::app::rooms::settings::model::undo::Steps;
 use overlook_engine::edits::{Action, Edit, EditList, Reach, Region, Stroke};
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::samples::SampleSet;
@@ -56,9 +55,6 @@ pub(crate) struct SelectionPlace {
 /// The edits of the open scene.
 pub(crate) struct SceneEdits {
     pub list: EditList,
-    steps: Steps<EditList>,
-    /// Whether the list was changed after any setting: undo takes back what was done last.
-    pub is_latest: bool,
     pub selection: Option<Region>,
     /// What is being drawn, and how it will join the selection.
     pub draft: Option<(Region, Combine)>,
@@ -87,8 +83,6 @@ impl Default for SceneEdits {
     fn default() -> Self {
         Self {
             list: EditList::default(),
-            steps: Steps::default(),
-            is_latest: false,
             selection: None,
             draft: None,
             combine: Combine::default(),
@@ -117,38 +111,6 @@ impl SceneEdits {
             Some((region, combine)) => Some(self.combined(region.clone(), *combine)),
             None => self.selection.clone(),
         }
-    }
-
-    /// Changes the list in one step of undo. Names that are typed letter by letter are one step.
-    pub(crate) fn change(&mut self, is_new_step: bool, change: impl FnOnce(&mut EditList)) {
-        let before = self.list.clone();
-        change(&mut self.list);
-        if self.list == before {
-            return;
-        }
-        self.steps.record(before, is_new_step);
-        self.is_latest = true;
-    }
-
-    /// Whether undo (or redo) would take an edit back (or do it again).
-    pub(crate) fn can(&self, undo: bool) -> bool {
-        self.is_latest && self.steps.can(undo)
-    }
-
-    /// The changes that undo would take back, or redo do again, by their names, the next first.
-    pub(crate) fn named_changes(&self, undo: bool) -> impl Iterator<Item = String> {
-        let steps = Some(&self.steps).filter(|_| self.is_latest).into_iter();
-        steps.flat_map(move |steps| steps.changes(undo, &self.list)).map(named)
-    }
-
-    /// Takes the last change of the list back, or does it again; false where there is none.
-    pub(crate) fn step(&mut self, undo: bool) -> bool {
-        if !self.can(undo) {
-            return false;
-        }
-        let Some(list) = self.steps.step(undo, self.list.clone()) else { return false };
-        self.list = list;
-        true
     }
 
     /// What a region that is chosen makes of the selection.
@@ -189,27 +151,21 @@ impl SceneEdits {
 
     /// Puts a stroke on the mask of a camera: on the one that was painted last, if it is at the same frames, or on a new one.
     pub(crate) fn mask(&mut self, camera: &str, stroke: Stroke) {
-        let range = self.range;
-        self.change(true, |list| {
-            if let Some(Edit { is_on: true, action: Action::Delete, region, frames, .. }) =
-                list.edits.last_mut()
-                && let Region::Pixels { camera: of, frame: None, strokes, .. } = region
-                && *of == camera
-                && *frames == range
-            {
-                strokes.push(stroke);
-                return;
-            }
-            let region = Region::Pixels {
-                camera: camera.to_owned(),
-                frame: None,
-                outline: Vec::new(),
-                strokes: vec![stroke],
-            };
-            let mut edit = Edit::new(format!("Mask {camera}"), Action::Delete, region);
-            edit.frames = range;
-            list.edits.push(edit);
-        });
+        if let Some(Edit { is_on: true, action: Action::Delete, region, frames, .. }) =
+            self.list.edits.last_mut()
+            && let Region::Pixels { camera: of, frame: None, strokes, .. } = region
+            && *of == camera
+            && *frames == self.range
+        {
+            strokes.push(stroke);
+            return;
+        }
+        let (camera, strokes) = (camera.to_owned(), vec![stroke]);
+        let name = format!("Mask {camera}");
+        let region = Region::Pixels { camera, frame: None, outline: Vec::new(), strokes };
+        let mut edit = Edit::new(name, Action::Delete, region);
+        edit.frames = self.range;
+        self.list.edits.push(edit);
     }
 
     /// The edit that an action makes of the selection, at a frame by its number.
@@ -233,7 +189,7 @@ impl SceneEdits {
 }
 
 /// What was done to a list.
-fn named([before, after]: [&EditList; 2]) -> String {
+pub(crate) fn named_change([before, after]: [&EditList; 2]) -> String {
     let (before, after) = (&before.edits, &after.edits);
     let differ = |(before, after): &(&Edit, &Edit)| before != after;
     let mut differing = before.iter().zip(after).filter(differ);
@@ -259,50 +215,6 @@ fn named([before, after]: [&EditList; 2]) -> String {
 mod tests {
     use super::super::region::last_shape;
     use super::*;
-
-    #[test]
-    fn edits_are_taken_back_and_done_again_until_a_setting_is_changed() {
-        let mut edits = SceneEdits::default();
-        assert!(!edits.step(true));
-        let delete = Edit::new("a", Action::Delete, Region::Doubtful);
-        edits.change(true, |list| list.edits.push(delete.clone()));
-        edits.change(true, |list| list.edits[0].is_on = false);
-        edits.change(false, |list| list.edits[0].name = "b".to_owned());
-        assert!(edits.step(true) && edits.list.edits == [delete]);
-        assert!(edits.step(true) && edits.list.edits.is_empty() && !edits.can(true));
-        assert!(edits.step(false) && edits.step(false) && edits.list.edits[0].name == "b");
-        edits.is_latest = false;
-        assert!(!edits.step(true), "a setting was changed after it");
-    }
-
-    #[test]
-    fn changes_of_the_list_have_names() {
-        let mut edits = SceneEdits::default();
-        for name in ["Delete sphere", "Mask left"] {
-            let edit = Edit::new(name, Action::Delete, Region::Doubtful);
-            edits.change(true, |list| list.edits.push(edit));
-        }
-        edits.change(true, |list| list.edits[1].is_on = false);
-        edits.change(true, |list| list.edits.swap(0, 1));
-        edits.change(true, |list| list.edits[0].name = "mask".to_owned());
-        edits.change(true, |list| drop(list.edits.remove(1)));
-        edits.change(true, |list| list.edits.clear());
-        let names = |edits: &SceneEdits, undo| edits.named_changes(undo).collect::<Vec<_>>();
-        let expected = [
-            "Remove \"mask\"",
-            "Remove \"Delete sphere\"",
-            "Name \"mask\"",
-            "Change the order of edits",
-            "Switch \"Mask left\" off",
-            "Mask left",
-            "Delete sphere",
-        ];
-        assert_eq!(names(&edits, true), expected);
-        assert!(edits.step(true) && edits.step(true));
-        assert_eq!(names(&edits, false), [expected[1], expected[0]]);
-        edits.is_latest = false;
-        assert!(names(&edits, true).is_empty(), "undo takes a setting back first");
-    }
 
     #[test]
     fn regions_join_the_selection_as_sets_and_the_last_shape_is_reshaped() {
@@ -340,8 +252,7 @@ mod tests {
         edits.mask("b", stroke(4.0));
         let frames: Vec<_> = edits.list.edits.iter().map(|edit| edit.frames).collect();
         assert_eq!(frames, [None, Some([3, 5]), Some([3, 5])]);
-        assert!(edits.step(true) && edits.step(true) && edits.step(true));
-        let [edit] = &edits.list.edits[..] else { panic!("one mask") };
-        assert!(matches!(&edit.region, Region::Pixels { strokes, .. } if *strokes == [stroke(1.0)]));
+        let Region::Pixels { strokes, .. } = &edits.list.edits[0].region else { panic!("a mask") };
+        assert_eq!(*strokes, [stroke(1.0), stroke(2.0)]);
     }
 }

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::edits::EditedScene;
 use crate::app::model::scene::Content;
 use crate::app::model::state::State;
+use crate::app::model::undo::Undoable;
+use overlook_engine::edits::EditList;
 use overlook_engine::plural::counted;
 use overlook_engine::samples::SampleSet;
 
@@ -16,6 +18,13 @@ impl State {
         let edits = unsaved.then(|| format!("the edits ({})", counted(edits.list.edits.len(), "edit")));
         let parts: Vec<String> = self.doc.unsaved_work().into_iter().chain(edits).collect();
         (!parts.is_empty()).then(|| parts.join(", "))
+    }
+
+    /// Puts a list from a file in the place of the one that is there, which undo brings back.
+    pub(crate) fn take_edits(&mut self, list: EditList) {
+        let before = Undoable::Edits(std::mem::replace(&mut self.doc.edits.list, list.clone()));
+        self.doc.edits.saved = list;
+        self.note_change(before, None);
     }
 
     /// The number of the frame that is shown.

@@ -47,6 +47,7 @@ impl OverlookApp {
         let charts = std::mem::take(&mut state.doc.charts).at_scene();
         state.doc = Document { charts, ..Document::of(scene.clone(), &state.settings) };
         state.doc.readings = readings.unwrap_or_default();
+        state.inspector.history.forget_scene();
         state.close_pictures(|_| true);
         state.inspector.compare.choice.from = CompareVantage::Live;
         state.share.close_scene();

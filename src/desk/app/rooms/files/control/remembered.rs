@@ -6,10 +6,10 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::app::dock::Dock;
+use crate::app::model::SettingsSlot;
 use crate::app::model::{OpenScene, SceneSource, State};
 use crate::app::rooms::files::model::RecentPicture;
 use crate::app::rooms::live::model::{Guides, OrbitCamera};
-use crate::app::rooms::settings::model::SettingsSlot;
 use overlook_engine::settings::Settings;
 
 const KEY: &str = "overlook";

@@ -90,8 +90,7 @@ impl OverlookApp {
         self.state.doc.path.looks_at = session.path_looks_at;
         let kept = session.kept_views.iter().cloned();
         self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view }).collect();
-        self.state.doc.edits.saved = session.edits.clone();
-        self.state.doc.edits.change(true, |list| *list = session.edits.clone());
+        self.state.take_edits(session.edits.clone());
         if let Some(view) = ViewAddress::read(session.view.trim_start_matches('#')) {
             self.go_to_view(scene, &view);
         }

@@ -4,12 +4,12 @@ use super::command::{KeptViewCommand, ViewCommand};
 use super::orbit_camera::OrbitCamera;
 use crate::app::model::command::Command;
 use crate::app::rooms::path::model::PathCommand;
-use crate::app::rooms::settings::model::undo::Steps;
 
 /// Views that were left.
 #[derive(Default)]
 pub(crate) struct ViewHistory {
-    steps: Steps<OrbitCamera>,
+    past: Vec<OrbitCamera>,
+    future: Vec<OrbitCamera>,
 }
 
 impl ViewHistory {
@@ -34,11 +34,16 @@ impl ViewHistory {
 
     /// Notes a view that was left.
     pub(crate) fn left(&mut self, view: OrbitCamera) {
-        self.steps.record(view, true);
+        self.future.clear();
+        self.past.push(view);
     }
 
     /// The view before `now`, or after it.
     pub(crate) fn step(&mut self, back: bool, now: OrbitCamera) -> Option<OrbitCamera> {
-        self.steps.step(back, now)
+        let (from, to) =
+            if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
+        let view = from.pop()?;
+        to.push(now);
+        Some(view)
     }
 }

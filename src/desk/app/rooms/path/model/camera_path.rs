@@ -4,7 +4,6 @@ use glam::{DVec2, DVec3};
 
 use super::key::{KeyNeighbor, PathShape, SavedPathKey, Turntable};
 use crate::app::rooms::live::model::orbit_camera::OrbitCamera;
-use crate::app::rooms::settings::model::undo::Steps;
 use overlook_engine::capture::transforms::{Easing, PathView};
 
 /// Why a path of fewer than two keys cannot be exported.
@@ -37,18 +36,6 @@ pub(crate) struct CameraPath {
     pub saved: Vec<SavedPathKey>,
     /// The picture that is played; `None` while it does not play.
     pub playing: Option<f32>,
-    /// What the keys were before each change, and what was taken back.
-    pub changes: KeyChanges,
-}
-
-/// Earlier keys of a path, and those that were taken back.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct KeyChanges {
-    steps: Steps<PathShape>,
-    /// The key that was moved last, if nothing followed: while it is dragged, all its moves are one change.
-    moved: Option<usize>,
-    /// Whether nothing else that can be taken back was changed since.
-    pub is_latest: bool,
 }
 
 impl Default for CameraPath {
@@ -64,7 +51,6 @@ impl Default for CameraPath {
             size: None,
             saved: Vec::new(),
             playing: None,
-            changes: KeyChanges::default(),
         }
     }
 }
@@ -154,43 +140,10 @@ impl CameraPath {
         (self.selected, self.playing) = (Some(other), None);
     }
 
-    /// Notes that the path was `before`, if it changed; `moved` is the key that was moved.
-    pub(crate) fn note_change(&mut self, before: PathShape, moved: Option<usize>) {
-        if before == self.shape() {
-            return;
-        }
-        let changes = &mut self.changes;
-        let goes_on = moved.is_some() && changes.moved == moved && changes.is_latest;
-        changes.steps.record(before, !goes_on);
-        (changes.moved, changes.is_latest) = (moved, true);
-    }
-
-    /// Whether undo (or redo) would take a change of the keys back (or make it again).
-    pub(crate) fn can(&self, undo: bool) -> bool {
-        self.changes.is_latest && self.changes.steps.can(undo)
-    }
-
-    /// The changes that undo would take back, or redo make again, by their names, the next first.
-    pub(crate) fn named_changes(&self, undo: bool) -> Vec<String> {
-        if !self.changes.is_latest {
-            return Vec::new();
-        }
-        let now = self.shape();
-        self.changes.steps.changes(undo, &now).map(|[before, after]| before.named_change_to(after)).collect()
-    }
-
-    /// Takes the last change of the keys back, or does it again; false where there is none, or something else was changed since.
-    pub(crate) fn step(&mut self, undo: bool) -> bool {
-        let now = self.shape();
-        let changes = &mut self.changes;
-        if !changes.is_latest {
-            return false;
-        }
-        let Some(PathShape { keys, is_closed }) = changes.steps.step(undo, now) else { return false };
-        changes.moved = None;
+    /// Makes it what it was.
+    pub(crate) fn take_shape(&mut self, PathShape { keys, is_closed }: PathShape) {
         (self.keys, self.is_closed) = (keys, is_closed);
         (self.selected, self.playing) = (None, None);
-        true
     }
 
     /// Whether all keys are in a file.

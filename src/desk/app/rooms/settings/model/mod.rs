@@ -4,11 +4,8 @@ pub(crate) mod command;
 pub(crate) mod histogram;
 pub(crate) mod presets;
 pub(crate) mod setting_names;
-pub(crate) mod undo;
-pub(crate) mod undo_list;
 
 pub(crate) use command::SettingsCommand;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
 pub(crate) use presets::{PRESETS, keep};
 pub(crate) use setting_names::{SECTIONS, SettingPairs};
-pub(crate) use undo::SettingsSlot;

@@ -4,9 +4,9 @@ use egui::{Align, Button, CollapsingHeader, DragValue, Id, Layout, Modal, RichTe
 use egui_material_icons::icons::{ICON_DELETE, ICON_RESTART_ALT};
 
 use crate::app::control::gave_up_number;
-use crate::app::model::{Command, Commands, State};
+use crate::app::model::{Command, Commands, SettingsSlot, State};
 use crate::app::rooms::settings::model::{
-    CUT, PRESETS, SECTIONS, SettingPairs, SettingsCommand, SettingsSlot, setting_names,
+    CUT, PRESETS, SECTIONS, SettingPairs, SettingsCommand, setting_names,
 };
 use crate::app::rooms::settings::ui::histogram;
 use crate::app::rooms::settings::ui::undo_button::undo_button_ui;
