@@ -7,7 +7,7 @@ use glam::DVec3;
 use overlook_engine::edits::Action;
 
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::edits::model::{EditCommand, EditTool};
+use crate::app::rooms::edits::model::{EditCommand, EditTool, EditTools};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
 use crate::app::rooms::help::model::{CommandPalette, HelpPage};
@@ -195,22 +195,24 @@ fn time_keys(state: &State) -> Vec<Bound> {
 /// Keys that select and delete. While there is a brush, brackets change it.
 fn edit_keys(state: &State) -> Vec<Bound> {
     let edits = &state.doc.edits;
-    let tool = |tool: EditTool| EditCommand::Tool((edits.tool != Some(tool)).then_some(tool));
+    let tool = |tool: EditTool| EditCommand::Tools(edits.tools.with(tool));
+    let brush =
+        |wider: f32| EditCommand::Tools(EditTools { radius: edits.tools.radius * wider, ..edits.tools });
     let mut keys = vec![
-        (Modifiers::COMMAND, Key::I, EditCommand::Invert),
+        (Modifiers::COMMAND, Key::I, EditCommand::Reshape(edits.inverted())),
         (Modifiers::SHIFT, Key::B, tool(EditTool::Mask)),
-        (Modifiers::SHIFT, Key::G, EditCommand::Grow(false)),
+        (Modifiers::SHIFT, Key::G, EditCommand::Reshape(edits.grown(false))),
         (Modifiers::NONE, Key::B, tool(EditTool::Brush)),
-        (Modifiers::NONE, Key::G, EditCommand::Grow(true)),
+        (Modifiers::NONE, Key::G, EditCommand::Reshape(edits.grown(true))),
         (Modifiers::NONE, Key::L, tool(EditTool::Lasso)),
         (Modifiers::NONE, Key::R, tool(EditTool::Rectangle)),
         (Modifiers::NONE, Key::T, tool(EditTool::Surface)),
         (Modifiers::NONE, Key::C, tool(EditTool::Color)),
         (Modifiers::NONE, Key::Delete, EditCommand::Act(Action::Delete)),
     ];
-    if edits.tool.is_some_and(EditTool::has_radius) {
-        keys.push((Modifiers::NONE, Key::OpenBracket, EditCommand::Radius(edits.radius / WIDER)));
-        keys.push((Modifiers::NONE, Key::CloseBracket, EditCommand::Radius(edits.radius * WIDER)));
+    if edits.tools.tool.is_some_and(EditTool::has_radius) {
+        keys.push((Modifiers::NONE, Key::OpenBracket, brush(1.0 / WIDER)));
+        keys.push((Modifiers::NONE, Key::CloseBracket, brush(WIDER)));
     }
     keys.into_iter().map(|(modifiers, key, command)| (modifiers, key, Command::Edit(command))).collect()
 }

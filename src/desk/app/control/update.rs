@@ -100,7 +100,8 @@ impl OverlookApp {
             return;
         }
         self.state.doc.edits.draft = None;
-        if self.state.doc.edits.tool.take().is_some() || self.state.doc.edits.selection.take().is_some() {
+        if self.state.doc.edits.tools.tool.take().is_some() || self.state.doc.edits.selection.take().is_some()
+        {
             return;
         }
         if self.state.live.ruler.active {

@@ -17,6 +17,7 @@ pub(crate) mod state;
 pub(crate) mod text;
 pub(crate) mod texture;
 pub(crate) mod undo;
+mod undo_list;
 pub(crate) mod work_kind;
 
 pub(crate) use command::{Command, Commands};

@@ -2,10 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::app::model::state::State;
-use crate::app::rooms::edits::model::edits::named_change;
 use crate::app::rooms::path::model::PathShape;
-use crate::app::rooms::settings::model::setting_names;
 use overlook_engine::edits::EditList;
 use overlook_engine::settings::Settings;
 
@@ -14,9 +11,6 @@ const ONE_CHANGE: Duration = Duration::from_millis(700);
 
 /// Changes that are remembered.
 const STEPS: usize = 200;
-
-/// Changes that are listed.
-const LISTED: usize = 10;
 
 /// Which of two settings is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -41,22 +35,6 @@ impl Undoable {
     /// Whether undo reaches it while the settings of a slot are on.
     fn is_reached(&self, slot: SettingsSlot) -> bool {
         !matches!(self, Self::Settings(of, _) if *of != slot)
-    }
-
-    /// The change between two states, in a line.
-    fn named([before, after]: [&Self; 2]) -> String {
-        match (before, after) {
-            (Self::Edits(before), Self::Edits(after)) => named_change([before, after]),
-            (Self::Path(before), Self::Path(after)) => before.named_change_to(after),
-            (Self::Settings(_, before), Self::Settings(_, after)) => {
-                match &setting_names::changes(before, after)[..] {
-                    [] => "Settings".to_owned(),
-                    [one] => one.clone(),
-                    [first, others @ ..] => format!("{first}, and {} more", others.len()),
-                }
-            }
-            _ => String::new(),
-        }
     }
 }
 
@@ -103,7 +81,7 @@ impl History {
 
     /// What undo takes back, the last change first, or redo makes again, the next first: undo in one of two settings takes nothing back
     /// in the other.
-    fn steps(&self, undo: bool) -> impl Iterator<Item = &Undoable> {
+    pub(crate) fn steps(&self, undo: bool) -> impl Iterator<Item = &Undoable> {
         let steps = if undo { &self.past } else { &self.future };
         steps.iter().rev().filter(|step| step.is_reached(self.slot))
     }
@@ -141,51 +119,9 @@ impl History {
     }
 }
 
-impl State {
-    /// What can be taken back of the settings, as they are.
-    pub(crate) fn undoable_settings(&self) -> Undoable {
-        Undoable::Settings(self.inspector.history.slot, Box::new(self.settings.clone()))
-    }
-
-    /// What is now of the kind of a step.
-    pub(crate) fn now(&self, step: &Undoable) -> Undoable {
-        match step {
-            Undoable::Settings(..) => self.undoable_settings(),
-            Undoable::Edits(_) => Undoable::Edits(self.doc.edits.list.clone()),
-            Undoable::Path(_) => Undoable::Path(self.doc.path.shape()),
-        }
-    }
-
-    /// Notes what something was, if it was changed.
-    pub(crate) fn note_change(&mut self, before: Undoable, part: Option<Part>) {
-        if self.now(&before) != before {
-            self.inspector.history.record(before, part, Instant::now());
-        }
-    }
-
-    /// Whether there is something to undo, or to redo.
-    pub(crate) fn can_undo(&self, undo: bool) -> bool {
-        self.inspector.history.steps(undo).next().is_some()
-    }
-
-    /// What undo takes back, or redo makes again, in the order in which repeating it does: the next changes by their names.
-    pub(crate) fn undo_list(&self, undo: bool) -> Vec<String> {
-        let steps: Vec<&Undoable> = self.inspector.history.steps(undo).take(LISTED).collect();
-        let named = |(nth, step): (usize, &&Undoable)| {
-            let is_alike =
-                |other: &&&Undoable| std::mem::discriminant(**other) == std::mem::discriminant(*step);
-            let nearer = steps[..nth].iter().rev().find(is_alike);
-            let nearer = nearer.map_or_else(|| self.now(step), |nearer| Undoable::clone(nearer));
-            Undoable::named(if undo { [step, &nearer] } else { [&nearer, step] })
-        };
-        steps.iter().enumerate().map(named).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use overlook_engine::edits::{Action, Edit, Region};
 
     fn with(tolerance: f32) -> Settings {
         let mut settings = Settings::default();
@@ -231,36 +167,6 @@ mod tests {
         }
         let undone = std::iter::successors(Some(6.0), |now| stepped(&mut history, true, *now));
         assert_eq!(undone.skip(1).collect::<Vec<_>>(), [5.0, 4.0, 3.0, 2.0, 1.0]);
-    }
-
-    #[test]
-    fn changes_of_edits_have_names_and_the_letters_of_one_name_are_one_step() {
-        let mut state = State::default();
-        let mut change = |part: Option<Part>, change: &dyn Fn(&mut Vec<Edit>)| {
-            let before = Undoable::Edits(state.doc.edits.list.clone());
-            change(&mut state.doc.edits.list.edits);
-            state.note_change(before, part);
-        };
-        for name in ["Delete sphere", "Mask left"] {
-            change(None, &|edits| edits.push(Edit::new(name, Action::Delete, Region::Doubtful)));
-        }
-        change(None, &|edits| edits[1].is_on = false);
-        change(None, &|edits| edits.swap(0, 1));
-        for name in ["m", "ma", "mask"] {
-            change(Some(Part::EditName(0)), &|edits| name.clone_into(&mut edits[0].name));
-        }
-        change(None, &|edits| drop(edits.remove(1)));
-        change(None, &|edits| edits.clear());
-        let expected = [
-            "Remove \"mask\"",
-            "Remove \"Delete sphere\"",
-            "Name \"mask\"",
-            "Change the order of edits",
-            "Switch \"Mask left\" off",
-            "Mask left",
-            "Delete sphere",
-        ];
-        assert_eq!(state.undo_list(true), expected);
     }
 
     #[test]

@@ -219,13 +219,15 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
     assert!(of_stroke > 0 && of_both > of_stroke, "{of_stroke}, {of_both}");
     let without = draw(&mut app, painted, Combine::Subtract);
     assert!(without < of_both && without >= of_both - of_stroke, "{without} of {of_both}");
-    edit(&mut app, EditCommand::Grow(true));
+    let grown = app.state.doc.edits.grown(true);
+    edit(&mut app, EditCommand::Reshape(grown));
     let grown = app.state.edited().unwrap().selected;
     assert!(grown > without, "{grown}, {without}");
     edit(&mut app, EditCommand::Act(Action::Delete));
     let surface = Region::same_surface(surface_point(&app), frame.unwrap());
     let of_surface = draw(&mut app, surface, Combine::Replace);
-    edit(&mut app, EditCommand::Grow(false));
+    let grown = app.state.doc.edits.grown(false);
+    edit(&mut app, EditCommand::Reshape(grown));
     assert!(app.state.edited().unwrap().selected < of_surface);
     edit(&mut app, EditCommand::Act(Action::Delete));
     let before = app.state.edited().unwrap().deleted;

@@ -20,7 +20,7 @@ use crate::app::rooms::compare::model::{CompareCommand, CompareSide};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::live::model::ViewCommand;
-use crate::app::rooms::path::model::{Exported, PathCommand};
+use crate::app::rooms::path::model::{CameraPath, Exported, PathCommand};
 use crate::app::rooms::pixel::model::{PixelCommand, Spot};
 use crate::app::rooms::settings::model::SettingsCommand;
 use crate::app::rooms::timeline::model::TimeCommand;
@@ -50,6 +50,12 @@ fn ready(cameras: usize, frames: usize) -> OverlookApp {
     let mut app = start(cameras, frames);
     settle(&mut app);
     app
+}
+
+/// Changes the camera path as its panel does.
+fn change_path(app: &mut OverlookApp, key: Option<usize>, change: impl FnOnce(&mut CameraPath)) {
+    let command = PathCommand::change(&app.state.doc.path, key, change);
+    app.apply(Command::Path(command));
 }
 
 /// What happens between two pictures of the window.
@@ -349,7 +355,7 @@ fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = open_damaged(folder.path());
     let pictures = folder.path().join("pictures");
-    app.apply(Command::Path(PathCommand::PicturesPerLeg(1)));
+    change_path(&mut app, None, |path| path.set_pictures_per_leg(1));
     for frame in [0, FRAMES - 1] {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         app.apply(Command::Path(PathCommand::AddKey));

@@ -28,7 +28,7 @@ fn asks_to_replace(app: &OverlookApp) -> bool {
 
 /// A path of two pictures.
 fn add_path(app: &mut OverlookApp) {
-    app.apply(Command::Path(PathCommand::PicturesPerLeg(1)));
+    change_path(&mut app, None, |path| path.set_pictures_per_leg(1));
     for _ in 0..2 {
         app.apply(Command::Path(PathCommand::AddKey));
     }
@@ -130,7 +130,7 @@ fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
     add_path(&mut app);
     for (chosen, expected) in [(None, (48, 36)), (Some([65, 30]), (64, 30))] {
         if let Some(size) = chosen {
-            app.apply(Command::Path(PathCommand::PictureSize(size)));
+            change_path(&mut app, None, |path| path.size = Some(size));
         }
         let pictures = folder.path().join(format!("{expected:?}"));
         app.take_path(Purpose::ExportPictures, pictures.clone());

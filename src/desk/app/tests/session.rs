@@ -70,8 +70,10 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
         app.apply(Command::View(ViewCommand::Kept(KeptViewCommand::Keep)));
         app.apply(Command::Path(PathCommand::AddKey));
     }
-    app.apply(Command::Path(PathCommand::Ease(Easing::InOut)));
-    app.apply(Command::Path(PathCommand::LookAt(Some(glam::DVec3::new(0.5, 1.0, 0.25)))));
+    change_path(&mut app, None, |path| {
+        path.easing = Easing::InOut;
+        path.looks_at = Some(glam::DVec3::new(0.5, 1.0, 0.25));
+    });
     app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
     app.apply(Command::Window(WindowCommand::Workspace(Workspace::Compare)));
     app.apply(Command::Source(SourceCommand::Camera(1)));

@@ -15,12 +15,12 @@ fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
     }
     // A key that is dragged passes many frames, and is taken back at once.
     for frame in [2, 1] {
-        app.apply(Command::Path(PathCommand::MoveKey { index: 1, frame }));
+        change_path(&mut app, Some(1), |path| path.move_key(1, frame));
     }
     set_method(&mut app, PruningMethod::Off);
     app.apply(Command::Undo);
     assert_eq!(keys(&app), [0, 1], "the setting was changed last");
-    app.apply(Command::Path(PathCommand::RemoveKey(0)));
+    change_path(&mut app, None, |path| path.remove_key(0));
     app.apply(Command::Undo);
     assert_eq!(keys(&app), [0, 1]);
     app.apply(Command::Undo);
@@ -32,7 +32,7 @@ fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {
         app.apply(Command::Redo);
     }
     assert_eq!(keys(&app), [0, 1]);
-    app.apply(Command::Path(PathCommand::Clear));
+    change_path(&mut app, None, CameraPath::clear);
     app.apply(Command::Undo);
     assert_eq!(keys(&app), [0, 1]);
 }
@@ -46,7 +46,7 @@ fn changes_are_listed_by_name_in_the_order_in_which_undo_takes_them_back() {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         app.apply(Command::Path(PathCommand::AddKey));
     }
-    app.apply(Command::Path(PathCommand::MoveKey { index: 1, frame: 2 }));
+    change_path(&mut app, Some(1), |path| path.move_key(1, 2));
     let expected = ["Change key 2", "Add key 2", "Add key 1", "Pruning method: Highest sampling rate » Off"];
     assert_eq!(app.state.undo_list(true), expected);
     for taken_back in 1..=expected.len() {
@@ -71,7 +71,7 @@ fn a_turn_replaces_the_keys_of_the_path_and_they_come_back() {
     assert!(app.notices().iter().any(|told| told.contains("2 keys before")), "{:?}", app.notices());
     app.apply(Command::Undo);
     assert_eq!(app.state.doc.path.shape(), before);
-    app.apply(Command::Path(PathCommand::Close(true)));
+    change_path(&mut app, None, |path| path.is_closed = true);
     app.apply(Command::Undo);
     assert_eq!(app.state.doc.path.shape(), before);
 }

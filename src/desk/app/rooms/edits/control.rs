@@ -16,38 +16,32 @@ impl OverlookApp {
         let frame_number = self.state.frame_number();
         let edits = &mut self.state.doc.edits;
         let before = Undoable::Edits(edits.list.clone());
-        let mut part = None;
+        let mut named = None;
         match command {
-            EditCommand::Select(region) => edits.selection = Some(edits.combined(region, edits.combine)),
+            EditCommand::Select(region) => {
+                edits.selection = Some(edits.combined(region, edits.tools.combine))
+            }
             EditCommand::Draw { region, combine, is_done: false } => edits.draft = Some((region, combine)),
             EditCommand::Draw { region, combine, is_done: true } => {
                 edits.selection = Some(edits.combined(region, combine));
                 edits.draft = None;
             }
             EditCommand::Mask { camera, stroke } => edits.mask(&camera, stroke),
-            EditCommand::Reshape(region) => edits.selection = Some(region),
-            EditCommand::SelectNothing => (edits.selection, edits.draft, edits.tool) = (None, None, None),
-            EditCommand::Invert => {
-                edits.selection = edits.selection.take().map(|selection| match selection {
-                    Region::Not(region) => *region,
-                    region => Region::Not(Box::new(region)),
-                });
+            EditCommand::Reshape(region) => edits.selection = region,
+            EditCommand::SelectNothing => {
+                (edits.selection, edits.draft, edits.tools.tool) = (None, None, None)
             }
-            EditCommand::Combine(combine) => edits.combine = combine,
-            EditCommand::Depth(depth) => edits.depth = depth,
-            EditCommand::Tool(tool) => (edits.tool, edits.draft) = (tool, None),
-            EditCommand::Radius(radius) => {
-                edits.radius = radius.clamp(*BRUSH_RADII.start(), *BRUSH_RADII.end());
+            EditCommand::Tools(mut tools) => {
+                tools.radius = tools.radius.clamp(*BRUSH_RADII.start(), *BRUSH_RADII.end());
+                tools.range = tools.range.map(|[first, last]| [first.min(last), last.max(first)]);
+                edits.draft.take_if(|_| tools.tool != edits.tools.tool);
+                edits.tools = tools;
             }
-            EditCommand::GrowBy(footprints) => edits.grow_by = footprints,
-            EditCommand::Grow(grows) => edits.selection = edits.grown(grows),
-            EditCommand::Time(time) => edits.time = time,
-            EditCommand::Range([first, last]) => edits.range = Some([first.min(last), last.max(first)]),
             EditCommand::Act(action) => {
                 let edit = edits.edit_of_selection(action, frame_number.unwrap_or_default());
                 if let Some(edit) = edit {
                     edits.list.edits.push(edit);
-                    (edits.selection, edits.tool) = (None, None);
+                    (edits.selection, edits.tools.tool) = (None, None);
                 }
             }
             EditCommand::LeaveOut(cameras) => {
@@ -62,35 +56,9 @@ impl OverlookApp {
                 let edit = Edit::new(format!("Leave out {what}"), Action::LeaveOut, Region::Cameras(names));
                 edits.list.edits.push(edit);
             }
-            EditCommand::Switch(index, on) => {
-                if let Some(edit) = edits.list.edits.get_mut(index) {
-                    edit.is_on = on;
-                }
-            }
-            EditCommand::Rename(index, name) => {
-                if let Some(edit) = edits.list.edits.get_mut(index) {
-                    edit.name = name;
-                    part = Some(Part::EditName(index));
-                }
-            }
-            EditCommand::Move(from, to) => {
-                if from.max(to) < edits.list.edits.len() {
-                    let edit = edits.list.edits.remove(from);
-                    edits.list.edits.insert(to, edit);
-                }
-            }
-            EditCommand::Remove(index) => {
-                if index < edits.list.edits.len() {
-                    edits.list.edits.remove(index);
-                }
-            }
-            EditCommand::SelectOf(index) => {
-                if let Some(edit) = edits.list.edits.get(index) {
-                    edits.selection = Some(edit.region.clone());
-                }
-            }
+            EditCommand::List(list, edit) => (edits.list, named) = (list, edit),
         }
-        self.state.note_change(before, part);
+        self.state.note_change(before, named.map(Part::EditName));
     }
 
     /// Takes in what edits leave, or why they cannot be applied.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::model::{CameraPath, PathCommand, SavedPathKey};
 use crate::app::control::overlook_app::OverlookApp;
-use crate::app::model::{OpenScene, Part, Undoable};
+use crate::app::model::{OpenScene, Part, State, Undoable};
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
 use crate::app::rooms::live::model::OrbitCamera;
 use overlook_engine::capture::transforms::{Easing, PathFile, PathView};
@@ -13,56 +13,25 @@ use overlook_engine::plural::counted;
 impl OverlookApp {
     /// Carries out what concerns the camera path.
     pub(crate) fn apply_to_path(&mut self, command: PathCommand) {
-        let frame = self.state.timeline.frame;
-        let here = self.state.live.orbit.clone().map(|orbit| SavedPathKey { orbit, frame, pictures: None });
-        let rate = f64::from(self.state.timeline.frames_per_second);
         let path = &mut self.state.doc.path;
         let before = Undoable::Path(path.shape());
-        let mut moved = None;
+        let mut bit_by_bit = None;
         match command {
             PathCommand::AddKey => {
-                if let Some(key) = here {
+                if let Some(key) = self.state.key_here() {
                     self.add_key(key);
                 }
             }
-            PathCommand::RemoveKey(index) => {
-                path.remove_key(index);
-            }
-            PathCommand::ReplaceKey(index) => {
-                if let (Some(key), Some(here)) = (path.keys.get_mut(index), here) {
-                    *key = SavedPathKey { pictures: key.pictures, ..here };
-                }
-            }
-            PathCommand::MoveKey { index, frame } => {
-                path.move_key(index, frame);
-                moved = Some(index);
-            }
-            PathCommand::Clear => {
-                path.keys.clear();
-                (path.is_closed, path.selected, path.playing) = (false, None, None);
-            }
-            PathCommand::ExchangeKey(index, with) => path.exchange_key(index, with),
             PathCommand::GoToKey(index) => {
                 if let Some(key) = path.keys.get(index).cloned() {
                     path.selected = Some(index);
                     self.go_to_key(key);
                 }
             }
-            PathCommand::PicturesPerLeg(pictures) => path.set_pictures_per_leg(pictures),
-            PathCommand::Seconds(seconds) => path.set_seconds(seconds, rate),
-            PathCommand::LegSeconds(leg, seconds) => {
-                path.set_leg(leg, seconds.map(|seconds| seconds * rate));
-                moved = Some(leg);
-            }
-            PathCommand::Close(close) => path.is_closed = close,
-            PathCommand::Ease(easing) => path.easing = easing,
-            PathCommand::LookAt(point) => path.looks_at = point,
-            PathCommand::TurntableOptions(turntable) => path.turntable = turntable,
-            PathCommand::TurnAround => self.turn_around(rate),
-            PathCommand::PictureSize(size) => path.size = Some(size),
-            PathCommand::Play(play) => path.playing = (play && path.pictures() > 0).then_some(0.0),
+            PathCommand::Change(changed, key) => (*path, bit_by_bit) = (*changed, key),
+            PathCommand::TurnAround => self.turn_around(),
         }
-        self.state.note_change(before, moved.map(Part::PathKey));
+        self.state.note_change(before, bit_by_bit.map(Part::PathKey));
     }
 
     fn add_key(&mut self, key: SavedPathKey) {
@@ -74,7 +43,8 @@ impl OverlookApp {
     }
 
     /// Makes the path a turn around the pivot of the view.
-    fn turn_around(&mut self, rate: f64) {
+    fn turn_around(&mut self) {
+        let rate = f64::from(self.state.timeline.frames_per_second);
         let Some(view) = self.state.live.orbit.clone() else { return };
         let (timeline, frames) = (&self.state.timeline, self.state.frame_count());
         let path = &mut self.state.doc.path;
@@ -124,6 +94,14 @@ impl OverlookApp {
     pub(crate) fn path_saved(&mut self, place: &Path, saved: CameraPath) {
         self.state.doc.path.saved = saved.keys;
         self.state.notify(NoticeKind::Done, "Saved", place.display().to_string());
+    }
+}
+
+impl State {
+    /// The view as a key.
+    pub(crate) fn key_here(&self) -> Option<SavedPathKey> {
+        let orbit = self.live.orbit.clone()?;
+        Some(SavedPathKey { orbit, frame: self.timeline.frame, pictures: None })
     }
 }
 

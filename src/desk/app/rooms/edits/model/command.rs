@@ -1,6 +1,6 @@
 //! What a person does to edits, and with which tools.
 
-use overlook_engine::edits::{Action, Region, Stroke};
+use overlook_engine::edits::{Action, EditList, Region, Stroke};
 
 /// How a region that is chosen joins what is selected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -133,15 +133,50 @@ impl EditTool {
     }
 }
 
+/// What a person edits with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EditTools {
+    pub combine: Combine,
+    pub depth: DrawnDepth,
+    pub tool: Option<EditTool>,
+    /// Of the brush, points.
+    pub radius: f32,
+    /// By how many footprints the selection is grown and shrunk.
+    pub grow_by: f64,
+    pub time: EditTime,
+    /// The frames of [`EditTime::Range`] and of masks, by their numbers; `None` for all.
+    pub range: Option<[i64; 2]>,
+}
+
+impl EditTools {
+    /// With a tool taken up, or laid down where it is in use.
+    pub(crate) fn with(self, tool: EditTool) -> Self {
+        Self { tool: (self.tool != Some(tool)).then_some(tool), ..self }
+    }
+}
+
+impl Default for EditTools {
+    fn default() -> Self {
+        Self {
+            combine: Combine::default(),
+            depth: DrawnDepth::default(),
+            tool: None,
+            radius: 16.0,
+            grow_by: 2.0,
+            time: EditTime::default(),
+            range: None,
+        }
+    }
+}
+
 /// What a person does to edits.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum EditCommand {
     /// Select a region, as [`Combine`] says.
     Select(Region),
-    /// Put another selection in the place of the one that is there: a number or a handle of it was moved.
-    Reshape(Region),
+    /// Put another selection in the place of the one that is there.
+    Reshape(Option<Region>),
     SelectNothing,
-    Invert,
     /// Select what was drawn in a picture, or show what that would be as long as it is being drawn.
     Draw {
         region: Region,
@@ -153,27 +188,12 @@ pub(crate) enum EditCommand {
         camera: String,
         stroke: Stroke,
     },
-    Combine(Combine),
-    Depth(DrawnDepth),
-    Tool(Option<EditTool>),
-    /// Radius of the brush, points.
-    Radius(f32),
-    /// By how many footprints to grow and shrink.
-    GrowBy(f64),
-    /// Grow the selection, or shrink it.
-    Grow(bool),
-    Time(EditTime),
-    /// The first and the last frame of a range, by their numbers.
-    Range([i64; 2]),
+    /// Edit with other tools.
+    Tools(EditTools),
     /// Delete or keep what is selected, or bring it back.
     Act(Action),
     /// Leave cameras out of everything, by their indices, in one edit.
     LeaveOut(Vec<usize>),
-    Switch(usize, bool),
-    Rename(usize, String),
-    /// Move an edit to another place in the list.
-    Move(usize, usize),
-    Remove(usize),
-    /// Select the region of an edit again.
-    SelectOf(usize),
+    /// Put a changed list in the place of the one that is there, perhaps with the edit whose name is typed.
+    List(EditList, Option<usize>),
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::command::{Combine, DrawnDepth, EditTime, EditTool};
+use super::command::{Combine, EditTime, EditTools};
 use super::region::{join_stroke, words};
 use crate::app::model::Same;
 use crate::app::model::scene::OpenScene;
@@ -53,21 +53,13 @@ pub(crate) struct SelectionPlace {
 }
 
 /// The edits of the open scene.
+#[derive(Default)]
 pub(crate) struct SceneEdits {
     pub list: EditList,
     pub selection: Option<Region>,
     /// What is being drawn, and how it will join the selection.
     pub draft: Option<(Region, Combine)>,
-    pub combine: Combine,
-    pub depth: DrawnDepth,
-    pub tool: Option<EditTool>,
-    /// Of the brush, points.
-    pub radius: f32,
-    /// Footprints.
-    pub grow_by: f64,
-    pub time: EditTime,
-    /// The frames of [`EditTime::Range`] and of masks, by their numbers; `None` for all.
-    pub range: Option<[i64; 2]>,
+    pub tools: EditTools,
     /// What the last list and selection gave; `None` without any.
     pub edited: Option<(EditKey, EditedScene)>,
     /// Why they gave nothing.
@@ -78,26 +70,6 @@ pub(crate) struct SceneEdits {
 
 /// Radii of the brush, points.
 pub(crate) const BRUSH_RADII: std::ops::RangeInclusive<f32> = 1.0..=200.0;
-
-impl Default for SceneEdits {
-    fn default() -> Self {
-        Self {
-            list: EditList::default(),
-            selection: None,
-            draft: None,
-            combine: Combine::default(),
-            depth: DrawnDepth::default(),
-            tool: None,
-            radius: 16.0,
-            grow_by: 2.0,
-            time: EditTime::default(),
-            range: None,
-            edited: None,
-            trouble: None,
-            saved: EditList::default(),
-        }
-    }
-}
 
 impl SceneEdits {
     /// Whether anything is edited or selected.
@@ -132,10 +104,18 @@ impl SceneEdits {
         }
     }
 
+    /// What is not selected.
+    pub(crate) fn inverted(&self) -> Option<Region> {
+        Some(match self.selection.clone()? {
+            Region::Not(region) => *region,
+            region => Region::Not(Box::new(region)),
+        })
+    }
+
     /// The selection, grown or shrunk.
     pub(crate) fn grown(&self, grows: bool) -> Option<Region> {
         let region = self.selection.clone()?;
-        let by = self.grow_by;
+        let by = self.tools.grow_by;
         let further = |footprints: f64| (footprints + by).min(Region::MOST_FOOTPRINTS);
         Some(match region {
             Region::Grow { region, footprints } if grows => {
@@ -155,7 +135,7 @@ impl SceneEdits {
             self.list.edits.last_mut()
             && let Region::Pixels { camera: of, frame: None, strokes, .. } = region
             && *of == camera
-            && *frames == self.range
+            && *frames == self.tools.range
         {
             strokes.push(stroke);
             return;
@@ -164,7 +144,7 @@ impl SceneEdits {
         let name = format!("Mask {camera}");
         let region = Region::Pixels { camera, frame: None, outline: Vec::new(), strokes };
         let mut edit = Edit::new(name, Action::Delete, region);
-        edit.frames = self.range;
+        edit.frames = self.tools.range;
         self.list.edits.push(edit);
     }
 
@@ -178,11 +158,11 @@ impl SceneEdits {
             Action::Restore => "Restore",
         };
         let mut edit = Edit::new(format!("{verb} {}", words(&region)), action, region);
-        (edit.frames, edit.reach) = match self.time {
+        (edit.frames, edit.reach) = match self.tools.time {
             EditTime::AllFrames => (None, Reach::Frames),
             EditTime::Spans => (Some([frame_number; 2]), Reach::Span),
             EditTime::ThisFrame => (Some([frame_number; 2]), Reach::Frames),
-            EditTime::Range => (self.range, Reach::Frames),
+            EditTime::Range => (self.tools.range, Reach::Frames),
         };
         Some(edit)
     }
@@ -247,7 +227,7 @@ mod tests {
         assert!(matches!(edits.selection, Some(Region::Grow { footprints: 4.0, .. })));
         edits.mask("a", stroke(1.0));
         edits.mask("a", stroke(2.0));
-        edits.range = Some([3, 5]);
+        edits.tools.range = Some([3, 5]);
         edits.mask("a", stroke(3.0));
         edits.mask("b", stroke(4.0));
         let frames: Vec<_> = edits.list.edits.iter().map(|edit| edit.frames).collect();

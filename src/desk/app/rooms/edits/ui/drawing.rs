@@ -63,7 +63,7 @@ fn combine_now(ui: &Ui, state: &State) -> Combine {
         (true, false) => Combine::Add,
         (false, true) => Combine::Subtract,
         (true, true) => Combine::Intersect,
-        (false, false) => state.doc.edits.combine,
+        (false, false) => state.doc.edits.tools.combine,
     }
 }
 
@@ -123,8 +123,8 @@ pub(crate) fn drawing_ui(
     place: &PicturePlace,
     state: &State,
 ) -> Option<Drawn> {
-    let tool = state.doc.edits.tool?;
-    let radius = state.doc.edits.radius;
+    let tool = state.doc.edits.tools.tool?;
+    let radius = state.doc.edits.tools.radius;
     if response.hovered() {
         ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
     }

@@ -9,12 +9,14 @@ use super::numbers::{GROW_BY, numbers_ui};
 use super::tools::{cameras_ui, mask_ui, range_ui, select_ui};
 use crate::app::model;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::edits::model::{EditCommand, EditTime, last_shape, words as region_words};
+use crate::app::rooms::edits::model::{
+    EditCommand, EditTime, EditTools, SceneEdits, last_shape, words as region_words,
+};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::live::ui::view_panel::heading_ui;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{icon_button, note, segments_ui, weak};
-use overlook_engine::edits::Action;
+use overlook_engine::edits::{Action, Edit};
 
 const ASKS_WHOLE: &str = "Edits act on all frames: they are shown once the whole capture is pruned.";
 
@@ -63,14 +65,14 @@ fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
     if let Some(shape) = last_shape(&mut reshaped)
         && numbers_ui(ui, shape, state)
     {
-        sent.push(EditCommand::Reshape(reshaped));
+        sent.push(EditCommand::Reshape(Some(reshaped)));
     }
     if state.has_time()
-        && let Some(time) = segments_ui(ui, "Edit acts at", edits.time, EditTime::ALL)
+        && let Some(time) = segments_ui(ui, "Edit acts at", edits.tools.time, EditTime::ALL)
     {
-        sent.push(EditCommand::Time(time));
+        sent.push(EditCommand::Tools(EditTools { time, ..edits.tools }));
     }
-    if state.has_time() && edits.time == EditTime::Range {
+    if state.has_time() && edits.tools.time == EditTime::Range {
         ui.horizontal(|ui| range_ui(ui, state, "Edit", sent));
     }
     ui.horizontal_wrapped(|ui| {
@@ -82,7 +84,7 @@ fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
                 "Bring back what edits above delete of what is selected.",
                 EditCommand::Act(Action::Restore),
             ),
-            ("Invert", "Select what is not selected (Ctrl+I).", EditCommand::Invert),
+            ("Invert", "Select what is not selected (Ctrl+I).", EditCommand::Reshape(edits.inverted())),
             ("Clear", "Select nothing (Esc).", EditCommand::SelectNothing),
         ] {
             let button = ui.button(name).accessible_name(format!("{name} selection"));
@@ -91,11 +93,11 @@ fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
             }
         }
     });
-    grow_ui(ui, edits.grow_by, sent);
+    grow_ui(ui, edits, sent);
 }
 
 /// Grows and shrinks the selection.
-fn grow_ui(ui: &mut Ui, by: f64, sent: &mut Vec<EditCommand>) {
+fn grow_ui(ui: &mut Ui, edits: &SceneEdits, sent: &mut Vec<EditCommand>) {
     ui.horizontal_wrapped(|ui| {
         for (name, help, grows) in [
             ("Grow", "Select what is near the selection as well (G).", true),
@@ -103,15 +105,15 @@ fn grow_ui(ui: &mut Ui, by: f64, sent: &mut Vec<EditCommand>) {
         ] {
             let button = ui.button(name).accessible_name(format!("{name} selection"));
             if button.on_hover_text(help).clicked() {
-                sent.push(EditCommand::Grow(grows));
+                sent.push(EditCommand::Reshape(edits.grown(grows)));
             }
         }
         ui.label("by");
-        let mut by = by;
+        let mut by = edits.tools.grow_by;
         let drag = DragValue::new(&mut by).speed(0.1).max_decimals(1).range(GROW_BY).suffix(" footprints");
         let drag = ui.add(drag).on_hover_text("Widths of a pixel where the sample lies.");
         if drag.accessible_name("Grow by").changed() {
-            sent.push(EditCommand::GrowBy(by));
+            sent.push(EditCommand::Tools(EditTools { grow_by: by, ..edits.tools }));
         }
     });
 }
@@ -123,6 +125,12 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
         weak(ui, "No edits yet. What is deleted stays in the list, to be switched off or saved.");
     }
     let last = edits.list.edits.len().saturating_sub(1);
+    let mut selects = None;
+    let mut change = |named: Option<usize>, change: &dyn Fn(&mut Vec<Edit>)| {
+        let mut list = edits.list.clone();
+        change(&mut list.edits);
+        sent.push(EditCommand::List(list, named));
+    };
     for (index, edit) in edits.list.edits.iter().enumerate() {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
@@ -132,14 +140,14 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
                 .accessible_name(format!("Edit {} acts", index + 1))
                 .changed()
             {
-                sent.push(EditCommand::Switch(index, on));
+                change(None, &|edits| edits[index].is_on = on);
             }
             let mut name = edit.name.clone();
             let width = (ui.available_width() - 148.0).max(60.0);
             let field = ui.add(TextEdit::singleline(&mut name).desired_width(width));
             let field = field.accessible_name(format!("Name of edit {}", index + 1));
             if field.on_hover_text(region_words(&edit.region)).changed() {
-                sent.push(EditCommand::Rename(index, name));
+                change(Some(index), &|edits| name.clone_into(&mut edits[index].name));
             }
             for (icon, name, to) in [
                 (ICON_ARROW_UPWARD, "Move edit up", index.checked_sub(1)),
@@ -147,19 +155,20 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
             ] {
                 ui.add_enabled_ui(to.is_some(), |ui| {
                     if let (true, Some(to)) = (icon_button(ui, icon, name, name).clicked(), to) {
-                        sent.push(EditCommand::Move(index, to));
+                        change(None, &|edits| edits.swap(index, to));
                     }
                 });
             }
             let help = "Select the region of this edit, to reshape it or to combine it with others";
             if icon_button(ui, ICON_CONTENT_COPY, "Select region of edit", help).clicked() {
-                sent.push(EditCommand::SelectOf(index));
+                selects = Some(edit.region.clone());
             }
             if icon_button(ui, ICON_DELETE, "Remove edit", "Take this edit out of the list").clicked() {
-                sent.push(EditCommand::Remove(index));
+                change(None, &|edits| drop(edits.remove(index)));
             }
         });
     }
+    sent.extend(selects.map(|region| EditCommand::Reshape(Some(region))));
     if let Some(trouble) = &edits.trouble {
         ui.add(Label::new(RichText::new(trouble).color(Tokens::in_ui(ui).error)).wrap());
     } else if let Some(edited) = state.edited().filter(|edited| edited.deleted > 0) {
@@ -177,8 +186,14 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
         };
         cameras_ui(ui, state, "Leave out camera", leave_out, sent);
         for (icon, name, help, command, is_possible) in [
-            (ICON_UNDO, "Undo edit", "Undo the last edit (Ctrl+Z)", Command::Undo, edits.can(true)),
-            (ICON_REDO, "Redo edit", "Redo it (Ctrl+Shift+Z)", Command::Redo, edits.can(false)),
+            (
+                ICON_UNDO,
+                "Undo edit",
+                "Undo the last edit (Ctrl+Z)",
+                Command::Undo,
+                state.would_step_edits(true),
+            ),
+            (ICON_REDO, "Redo edit", "Redo it (Ctrl+Shift+Z)", Command::Redo, state.would_step_edits(false)),
         ] {
             ui.add_enabled_ui(is_possible, |ui| {
                 if icon_button(ui, icon, name, help).clicked() {

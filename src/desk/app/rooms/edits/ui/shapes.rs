@@ -144,7 +144,7 @@ pub(crate) fn shape_ui(
         return is_taken;
     }
     reshape(shape, moved, grown);
-    commands.push(Command::Edit(EditCommand::Reshape(selection)));
+    commands.push(Command::Edit(EditCommand::Reshape(Some(selection))));
     true
 }
 

@@ -4,7 +4,7 @@ use egui::{DragValue, ScrollArea, Slider, Ui};
 use glam::DVec3;
 
 use crate::app::model::State;
-use crate::app::rooms::edits::model::{BRUSH_RADII, Combine, DrawnDepth, EditCommand, EditTool};
+use crate::app::rooms::edits::model::{BRUSH_RADII, Combine, DrawnDepth, EditCommand, EditTool, EditTools};
 use crate::app::rooms::live::ui::view_panel::heading_ui;
 use crate::app::widgets::segments_ui;
 use overlook_engine::edits::Region;
@@ -53,11 +53,11 @@ pub(crate) fn select_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>)
     brush_ui(ui, state, sent);
     evidence_ui(ui, state, sent);
     ranges_ui(ui, state, sent);
-    if let Some(combine) = segments_ui(ui, "Selection", edits.combine, Combine::ALL) {
-        sent.push(EditCommand::Combine(combine));
+    if let Some(combine) = segments_ui(ui, "Selection", edits.tools.combine, Combine::ALL) {
+        sent.push(EditCommand::Tools(EditTools { combine, ..edits.tools }));
     }
-    if let Some(depth) = segments_ui(ui, "Drawing selects", edits.depth, DrawnDepth::ALL) {
-        sent.push(EditCommand::Depth(depth));
+    if let Some(depth) = segments_ui(ui, "Drawing selects", edits.tools.depth, DrawnDepth::ALL) {
+        sent.push(EditCommand::Tools(EditTools { depth, ..edits.tools }));
     }
 }
 
@@ -104,7 +104,7 @@ fn evidence_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
         if drag.changed() {
             ui.data_mut(|data| data.insert_temp(id, least));
             if matches!(state.doc.edits.selection, Some(Region::ConfirmedByFewerThan(_))) {
-                sent.push(EditCommand::Reshape(Region::ConfirmedByFewerThan(least)));
+                sent.push(EditCommand::Reshape(Some(Region::ConfirmedByFewerThan(least))));
             }
         }
         cameras_ui(
@@ -161,25 +161,25 @@ fn tool_ui(
     does: &str,
     sent: &mut Vec<EditCommand>,
 ) {
-    let is_on = state.doc.edits.tool == Some(tool);
+    let is_on = state.doc.edits.tools.tool == Some(tool);
     let button = ui.selectable_label(is_on, name).accessible_name(format!("{does} {name}"));
     if button.on_hover_text(format!("{help} ({key})")).clicked() {
-        sent.push(EditCommand::Tool((!is_on).then_some(tool)));
+        sent.push(EditCommand::Tools(state.doc.edits.tools.with(tool)));
     }
 }
 
 /// How wide the brush is, while there is one.
 fn brush_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
-    if !state.doc.edits.tool.is_some_and(EditTool::has_radius) {
+    if !state.doc.edits.tools.tool.is_some_and(EditTool::has_radius) {
         return;
     }
     ui.horizontal(|ui| {
         ui.label("Radius");
-        let mut radius = state.doc.edits.radius;
+        let mut radius = state.doc.edits.tools.radius;
         let slider = Slider::new(&mut radius, BRUSH_RADII).logarithmic(true).fixed_decimals(0).suffix(" px");
         let slider = ui.add(slider).on_hover_text("Radius of the brush on the screen ([ and ]).");
         if slider.changed() {
-            sent.push(EditCommand::Radius(radius));
+            sent.push(EditCommand::Tools(EditTools { radius, ..state.doc.edits.tools }));
         }
     });
 }
@@ -204,7 +204,7 @@ pub(crate) fn mask_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
 pub(crate) fn range_ui(ui: &mut Ui, state: &State, what: &str, sent: &mut Vec<EditCommand>) {
     let numbers = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.frame_numbers);
     let Some((first, last)) = numbers.first().zip(numbers.last()) else { return };
-    let mut range = state.doc.edits.range.unwrap_or([*first, *last]);
+    let mut range = state.doc.edits.tools.range.unwrap_or([*first, *last]);
     let mut changed = false;
     for (at, (before, name)) in range.iter_mut().zip([("frames", "first frame"), ("to", "last frame")]) {
         ui.label(before);
@@ -212,7 +212,7 @@ pub(crate) fn range_ui(ui: &mut Ui, state: &State, what: &str, sent: &mut Vec<Ed
         changed |= drag.accessible_name(format!("{what}: {name}")).changed();
     }
     if changed {
-        sent.push(EditCommand::Range(range));
+        sent.push(EditCommand::Tools(EditTools { range: Some(range), ..state.doc.edits.tools }));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::app::model::{Command, State};
 use crate::app::rooms::charts::model::{ChartCommand, Study};
-use crate::app::rooms::edits::model::{EditCommand, EditTool};
+use crate::app::rooms::edits::model::{EditCommand, EditTool, EditTools, SceneEdits};
 use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
 use crate::app::rooms::frame::model::{DockView, WindowCommand};
 use crate::app::rooms::help::model::HelpPage;
@@ -57,7 +57,7 @@ pub(super) fn entries(state: &State) -> Vec<PaletteEntry> {
     let mut add = |name: String, keys: &'static str, command: Command| {
         entries.push(PaletteEntry::new(name, keys, command));
     };
-    for (name, keys, command) in fixed_commands() {
+    for (name, keys, command) in fixed_commands(&state.doc.edits) {
         let changes_thresholds = matches!(
             command,
             Command::Undo
@@ -99,7 +99,9 @@ const TYPED: [Purpose; 9] = [
 ];
 
 /// Entries that are there whatever is open.
-fn fixed_commands() -> [(&'static str, &'static str, Command); 51] {
+fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command); 51] {
+    let tool =
+        |tool: EditTool| Command::Edit(EditCommand::Tools(EditTools { tool: Some(tool), ..edits.tools }));
     [
         ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
         ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
@@ -111,15 +113,15 @@ fn fixed_commands() -> [(&'static str, &'static str, Command); 51] {
         ("Open edits", "", Command::File(FileCommand::AskPath(Purpose::LoadEdits))),
         ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
         ("Edit: keep only the selection", "", Command::Edit(EditCommand::Act(Action::KeepOnly))),
-        ("Edit: select by rectangle", "R", Command::Edit(EditCommand::Tool(Some(EditTool::Rectangle)))),
-        ("Edit: select by lasso", "L", Command::Edit(EditCommand::Tool(Some(EditTool::Lasso)))),
-        ("Edit: select by brush", "B", Command::Edit(EditCommand::Tool(Some(EditTool::Brush)))),
-        ("Edit: select the same surface", "T", Command::Edit(EditCommand::Tool(Some(EditTool::Surface)))),
-        ("Edit: select the same color", "C", Command::Edit(EditCommand::Tool(Some(EditTool::Color)))),
-        ("Edit: mask pixels of a camera", "Shift+B", Command::Edit(EditCommand::Tool(Some(EditTool::Mask)))),
-        ("Edit: grow the selection", "G", Command::Edit(EditCommand::Grow(true))),
-        ("Edit: shrink the selection", "Shift+G", Command::Edit(EditCommand::Grow(false))),
-        ("Edit: invert the selection", "Ctrl+I", Command::Edit(EditCommand::Invert)),
+        ("Edit: select by rectangle", "R", tool(EditTool::Rectangle)),
+        ("Edit: select by lasso", "L", tool(EditTool::Lasso)),
+        ("Edit: select by brush", "B", tool(EditTool::Brush)),
+        ("Edit: select the same surface", "T", tool(EditTool::Surface)),
+        ("Edit: select the same color", "C", tool(EditTool::Color)),
+        ("Edit: mask pixels of a camera", "Shift+B", tool(EditTool::Mask)),
+        ("Edit: grow the selection", "G", Command::Edit(EditCommand::Reshape(edits.grown(true)))),
+        ("Edit: shrink the selection", "Shift+G", Command::Edit(EditCommand::Reshape(edits.grown(false)))),
+        ("Edit: invert the selection", "Ctrl+I", Command::Edit(EditCommand::Reshape(edits.inverted()))),
         ("Edit: select nothing", "", Command::Edit(EditCommand::SelectNothing)),
         (
             "Save settings as a preset",

@@ -16,7 +16,9 @@ impl OverlookApp {
     pub(crate) fn live_painted(&mut self, key: LiveKey, picture: Arc<LivePicture>) {
         let state = &mut self.state;
         state.report_damage(&picture.damage);
-        state.doc.motion.painted(&key, &picture, &state.timeline);
+        let timeline = &state.timeline;
+        let frame_rate = timeline.playing.then_some(timeline.frames_per_second);
+        state.doc.motion.painted(&key, &picture, frame_rate);
         if state.timeline.playing {
             state.timeline.shown.add(key.vantage.frame, Instant::now());
         }

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use super::picture::{LiveKey, LivePicture};
 use crate::app::model::Same;
-use crate::app::rooms::timeline::model::Timeline;
 use overlook_engine::render::Vantage;
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Antialias, Coarse, Magnified, RenderSettings};
@@ -197,16 +196,13 @@ impl ViewMotion {
         rest.checked_sub(since).filter(|left| !left.is_zero())
     }
 
-    /// Takes in what a picture took.
-    pub(crate) fn painted(&mut self, key: &LiveKey, picture: &LivePicture, timeline: &Timeline) {
+    /// Takes in what a picture took; `frame_rate` while time passes.
+    pub(crate) fn painted(&mut self, key: &LiveKey, picture: &LivePicture, frame_rate: Option<f32>) {
         let took_ms = picture.took.as_secs_f64() * 1e3;
         match key.quality {
             // A background that is painted anew as the quality changes is no measure for those that follow.
-            Some(_) if timeline.playing && !picture.stats.background_reused => {}
-            Some(quality) => {
-                let rate = timeline.playing.then_some(timeline.frames_per_second);
-                self.budget.moved(quality, took_ms, rate);
-            }
+            Some(_) if frame_rate.is_some() && !picture.stats.background_reused => {}
+            Some(quality) => self.budget.moved(quality, took_ms, frame_rate),
             None => self.budget.rested(took_ms, key.per_coarse_pixel.powi(2)),
         }
     }

@@ -136,7 +136,7 @@ fn draw_ui(
     state: &State,
     commands: &mut Commands,
 ) -> bool {
-    match state.doc.edits.tool {
+    match state.doc.edits.tools.tool {
         None | Some(EditTool::Mask) => return false,
         Some(EditTool::Surface) => {
             drawing::select_clicked(ui, response, state, commands, |at| {
@@ -151,7 +151,7 @@ fn draw_ui(
             drawing::select_drawn(ui, response, painter, &place, state, commands, |drawn| {
                 let vantage = state.seen_camera([canvas.width() as u32, canvas.height() as u32])?;
                 let Drawn { outline, strokes, .. } = drawn;
-                let frame = state.frame_number().filter(|_| state.doc.edits.depth == DrawnDepth::Seen);
+                let frame = state.frame_number().filter(|_| state.doc.edits.tools.depth == DrawnDepth::Seen);
                 Some(Region::View {
                     viewpoint: Viewpoint::of(&vantage),
                     frame,
@@ -250,7 +250,7 @@ fn motion(
         commands.extend(focus(response, canvas, state).map(Command::View));
         return;
     }
-    let draws = state.doc.edits.tool.is_some_and(|tool| tool != EditTool::Mask);
+    let draws = state.doc.edits.tools.tool.is_some_and(|tool| tool != EditTool::Mask);
     let is_drawn = draws && response.dragged_by(PointerButton::Primary);
     let delta = if is_drawn { egui::Vec2::ZERO } else { response.drag_delta() };
     let delta = DVec2::new(f64::from(delta.x), f64::from(delta.y));

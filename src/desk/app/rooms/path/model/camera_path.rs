@@ -146,6 +146,16 @@ impl CameraPath {
         (self.selected, self.playing) = (None, None);
     }
 
+    /// Takes every key out.
+    pub(crate) fn clear(&mut self) {
+        self.take_shape(PathShape::default());
+    }
+
+    /// Plays it from its beginning, or stops.
+    pub(crate) fn play(&mut self, play: bool) {
+        self.playing = (play && self.pictures() > 0).then_some(0.0);
+    }
+
     /// Whether all keys are in a file.
     pub(crate) fn is_saved(&self) -> bool {
         self.keys.is_empty() || self.keys == self.saved

@@ -1,9 +1,6 @@
 //! What is asked of the camera path, and what is made of it.
 
-use glam::DVec3;
-
-use super::key::{KeyNeighbor, Turntable};
-use overlook_engine::capture::transforms::Easing;
+use super::camera_path::CameraPath;
 
 /// What a camera path is exported as.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,38 +22,26 @@ pub(crate) struct Exported {
 }
 
 /// What concerns the camera path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum PathCommand {
     /// Adds the view as a key behind the selected one.
     AddKey,
-    RemoveKey(usize),
-    /// Set a key of the camera path to the current view.
-    ReplaceKey(usize),
     GoToKey(usize),
-    /// Exchanges the view of a key with that of its neighbor.
-    ExchangeKey(usize, KeyNeighbor),
-    /// Moves a key of the path to another frame, no farther than its neighbors.
-    MoveKey {
-        index: usize,
-        frame: usize,
-    },
-    /// Pictures from one key of the camera path to the next.
-    PicturesPerLeg(usize),
-    /// Seconds of the whole path.
-    Seconds(f64),
-    /// Seconds from a key to the next; `None` for as many pictures as on the others.
-    LegSeconds(usize, Option<f64>),
-    /// Go back to the first key at the end, or do not.
-    Close(bool),
-    Ease(Easing),
-    /// Look at a point in world space all the way, or where keys look.
-    LookAt(Option<DVec3>),
-    TurntableOptions(Turntable),
+    /// Takes a changed path in the place of the one that is there, perhaps with the key that is changed bit by bit.
+    Change(Box<CameraPath>, Option<usize>),
     /// Turn once around the pivot of the view, in place of the keys that are there.
     TurnAround,
-    PictureSize([u32; 2]),
-    /// Play the camera path from its beginning, or stop.
-    Play(bool),
-    /// Take every key out of the camera path.
-    Clear,
+}
+
+impl PathCommand {
+    /// The command that takes a path as a change makes it.
+    pub(crate) fn change(
+        path: &CameraPath,
+        key: Option<usize>,
+        change: impl FnOnce(&mut CameraPath),
+    ) -> Self {
+        let mut path = Box::new(path.clone());
+        change(&mut path);
+        Self::Change(path, key)
+    }
 }

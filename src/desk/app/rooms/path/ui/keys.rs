@@ -7,7 +7,7 @@ use egui_material_icons::icons::{
 
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::live::ui::view_picture_ui;
-use crate::app::rooms::path::model::{KeyNeighbor, PathCommand};
+use crate::app::rooms::path::model::{KeyNeighbor, PathCommand, SavedPathKey};
 use crate::app::widgets::{icon_button, weak};
 
 const MOVE: &str = "Move this view in the list. Frames stay in their order.";
@@ -59,10 +59,16 @@ fn key_ui(ui: &mut Ui, state: &State, index: usize, is_roomy: bool, commands: &m
 
 /// What is done with a key.
 fn buttons_ui(ui: &mut Ui, state: &State, index: usize, commands: &mut Commands) {
-    let (number, last) = (index + 1, state.doc.path.keys.len() - 1);
+    let path = &state.doc.path;
+    let (number, last) = (index + 1, path.keys.len() - 1);
     let here = format!("Set key {number} to the current view");
     if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
-        commands.push(Command::Path(PathCommand::ReplaceKey(index)));
+        commands.extend(state.key_here().map(|here| {
+            Command::Path(PathCommand::change(path, None, |path| {
+                let key = &mut path.keys[index];
+                *key = SavedPathKey { pictures: key.pictures, ..here };
+            }))
+        }));
     }
     for (icon, to, with, can) in [
         (ICON_ARROW_UPWARD, "up", KeyNeighbor::Before, index > 0),
@@ -71,12 +77,13 @@ fn buttons_ui(ui: &mut Ui, state: &State, index: usize, commands: &mut Commands)
         let name = format!("Move key {number} {to}");
         let move_ui = |ui: &mut Ui| icon_button(ui, icon, &name, MOVE).clicked();
         if ui.add_enabled_ui(can, move_ui).inner {
-            commands.push(Command::Path(PathCommand::ExchangeKey(index, with)));
+            commands
+                .push(Command::Path(PathCommand::change(path, None, |path| path.exchange_key(index, with))));
         }
     }
     let remove = format!("Remove key {number}");
     if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
-        commands.push(Command::Path(PathCommand::RemoveKey(index)));
+        commands.push(Command::Path(PathCommand::change(path, None, |path| path.remove_key(index))));
     }
 }
 
@@ -92,13 +99,16 @@ fn leg_ui(ui: &mut Ui, state: &State, leg: usize, commands: &mut Commands) {
     let mut seconds = path.pictures_of_leg(leg) as f64 / rate;
     let drag = DragValue::new(&mut seconds).range(0.0..=3600.0).speed(0.02).max_decimals(2).suffix(" s");
     let field = ui.add(drag.update_while_editing(false)).on_hover_text(LEG);
+    let key = Some(leg);
     if field.accessible_name(format!("Seconds behind key {number}")).changed() {
-        commands.push(Command::Path(PathCommand::LegSeconds(leg, Some(seconds))));
+        commands.push(Command::Path(PathCommand::change(path, key, |path| {
+            path.set_leg(leg, Some(seconds * rate))
+        })));
     }
     if path.keys[leg].pictures.is_some() {
         let name = format!("As long behind key {number} as elsewhere");
         if icon_button(ui, ICON_RESTART_ALT, &name, "As long as the other segments").clicked() {
-            commands.push(Command::Path(PathCommand::LegSeconds(leg, None)));
+            commands.push(Command::Path(PathCommand::change(path, key, |path| path.set_leg(leg, None))));
         }
     }
 }

@@ -7,7 +7,7 @@ use super::keys::keys_ui;
 use super::way::{turntable_ui, way_ui};
 use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::files::model::{FileCommand, Purpose};
-use crate::app::rooms::path::model::{MOST_ON_A_LEG, PathCommand};
+use crate::app::rooms::path::model::{CameraPath, MOST_ON_A_LEG, PathCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::widgets::{empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
@@ -36,7 +36,8 @@ pub(crate) fn size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
     menu.response.on_hover_text("Usual sizes").accessible_name("Sizes");
     if chosen != size {
-        commands.push(Command::Path(PathCommand::PictureSize(chosen)));
+        commands
+            .push(Command::Path(PathCommand::change(&state.doc.path, None, |path| path.size = Some(chosen))));
     }
 }
 
@@ -55,7 +56,7 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 commands.push(Command::Path(PathCommand::AddKey));
             }
             turntable_ui(ui, state, commands);
-            path_file_ui(ui, false, commands);
+            path_file_ui(ui, state, false, commands);
         });
         return;
     }
@@ -118,7 +119,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             let (icon, name) =
                 if is_playing { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
             if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
-                commands.push(Command::Path(PathCommand::Play(!is_playing)));
+                commands.push(Command::Path(PathCommand::change(path, None, |path| path.play(!is_playing))));
             }
             weak(ui, counted(path.pictures(), "picture"));
         }
@@ -127,7 +128,9 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             let mut pictures = path.pictures_per_leg;
             let drag = DragValue::new(&mut pictures).range(1..=MOST_ON_A_LEG);
             if ui.add(drag).accessible_name("Frames per segment").changed() {
-                commands.push(Command::Path(PathCommand::PicturesPerLeg(pictures)));
+                commands.push(Command::Path(PathCommand::change(path, None, |path| {
+                    path.set_pictures_per_leg(pictures)
+                })));
             }
             if ready {
                 ui.label("Length");
@@ -139,7 +142,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             size_ui(ui, state, commands);
         }
         PathControls::File => {
-            path_file_ui(ui, ready, commands);
+            path_file_ui(ui, state, ready, commands);
             if ui.button("Share…").on_hover_text(SHARE).accessible_name("Share the camera path").clicked() {
                 commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Film))));
             }
@@ -149,11 +152,12 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
 
 /// How long the film of the path is.
 pub(crate) fn length_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let mut seconds = state.doc.path.seconds(f64::from(state.timeline.frames_per_second));
+    let (path, rate) = (&state.doc.path, f64::from(state.timeline.frames_per_second));
+    let mut seconds = path.seconds(rate);
     let drag = DragValue::new(&mut seconds).range(0.0..=1e7).speed(0.05).max_decimals(2).suffix(" s");
     let field = ui.add(drag.update_while_editing(false)).on_hover_text(LENGTH);
     if field.accessible_name("Length of the film").changed() {
-        commands.push(Command::Path(PathCommand::Seconds(seconds)));
+        commands.push(Command::Path(PathCommand::change(path, None, |path| path.set_seconds(seconds, rate))));
     }
 }
 
@@ -173,12 +177,16 @@ pub(crate) fn still_ui(ui: &mut Ui, state: &State) {
 }
 
 /// The path's file.
-fn path_file_ui(ui: &mut Ui, ready: bool, commands: &mut Commands) {
+fn path_file_ui(ui: &mut Ui, state: &State, ready: bool, commands: &mut Commands) {
     ui.menu_button("Path file…", |ui| {
         for (name, needs_path, command) in [
             ("Save camera path…", true, Command::File(FileCommand::AskPath(Purpose::SavePath))),
             ("Open camera path…", false, Command::File(FileCommand::AskPath(Purpose::LoadPath))),
-            ("Remove all keys", true, Command::Path(PathCommand::Clear)),
+            (
+                "Remove all keys",
+                true,
+                Command::Path(PathCommand::change(&state.doc.path, None, CameraPath::clear)),
+            ),
         ] {
             let button = ui.add_enabled(ready || !needs_path, Button::new(name));
             if button.on_hover_text(PATH_FILE).clicked() {

@@ -48,14 +48,16 @@ pub(super) fn way_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let mut is_closed = state.doc.path.is_closed;
     if ui.checkbox(&mut is_closed, "Loop").on_hover_text(LOOP).changed() {
-        commands.push(Command::Path(PathCommand::Close(is_closed)));
+        commands.push(Command::Path(PathCommand::change(&state.doc.path, None, |path| {
+            path.is_closed = is_closed
+        })));
     }
 }
 
 fn pace_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.label("Pace");
     if let Some(easing) = choice_ui(ui, "Pace of the camera", state.doc.path.easing, &EASINGS, PACE) {
-        commands.push(Command::Path(PathCommand::Ease(easing)));
+        commands.push(Command::Path(PathCommand::change(&state.doc.path, None, |path| path.easing = easing)));
     }
 }
 
@@ -67,7 +69,9 @@ fn look_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let can = looks || pinned.is_some();
     let field = ui.add_enabled(can, egui::Checkbox::new(&mut looks, "Look at the pinned point"));
     if field.on_hover_text(LOOK).on_disabled_hover_text(NO_PIN).changed() {
-        commands.push(Command::Path(PathCommand::LookAt(pinned.filter(|_| looks))));
+        commands.push(Command::Path(PathCommand::change(path, None, |path| {
+            path.looks_at = pinned.filter(|_| looks)
+        })));
     }
     if let Some(at) = path.looks_at {
         weak(ui, format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z));
@@ -94,7 +98,9 @@ pub(super) fn turntable_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
                 .on_hover_text("The played frames pass meanwhile; else the frame that is shown stays.");
         }
         if turn != before {
-            commands.push(Command::Path(PathCommand::TurntableOptions(turn)));
+            commands.push(Command::Path(PathCommand::change(&state.doc.path, None, |path| {
+                path.turntable = turn
+            })));
         }
         if ui.button("Turn around the pivot").clicked() {
             commands.push(Command::Path(PathCommand::TurnAround));

@@ -175,7 +175,7 @@ fn draw_ui(
         return false;
     };
     drawing::drawn_areas(painter, place, &camera.name, state);
-    match state.doc.edits.tool {
+    match state.doc.edits.tools.tool {
         None => return false,
         Some(tool @ (EditTool::Surface | EditTool::Color)) => {
             drawing::select_clicked(ui, response, state, commands, |at| {
@@ -203,7 +203,7 @@ fn draw_ui(
         }
         Some(_) => drawing::select_drawn(ui, response, painter, place, state, commands, |drawn| {
             let Drawn { outline, strokes, .. } = drawn;
-            Some(match state.doc.edits.depth {
+            Some(match state.doc.edits.tools.depth {
                 DrawnDepth::Seen => {
                     let frame = Some(state.frame_number()?);
                     Region::Pixels { camera: camera.name.clone(), frame, outline, strokes }

@@ -38,7 +38,10 @@ pub(crate) fn keys_ui(
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             let frame = ((pointer.x - bar.left()) / step).clamp(0.0, last as f32) as usize;
             if frame != key.frame {
-                commands.push(Command::Path(PathCommand::MoveKey { index, frame }));
+                let key = Some(index);
+                commands.push(Command::Path(PathCommand::change(&state.doc.path, key, |path| {
+                    path.move_key(index, frame)
+                })));
             }
         }
         if response.clicked() {
