@@ -16,7 +16,7 @@ use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
 use crate::app::rooms::source::model::SourceCommand;
-use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::rooms::timeline::model::{TimeCommand, Timeline};
 
 /// Distance flown per second, in pivot distances.
 const FLY_PER_SECOND: f64 = 0.6;
@@ -106,9 +106,12 @@ fn other_keys(state: &State) -> Vec<Bound> {
         (Key::F, Command::View(ViewCommand::FramePoint)),
         (Key::H, Command::View(ViewCommand::Holes(state.holes_shown().other()))),
         (Key::K, Command::Path(PathCommand::AddKey)),
-        (Key::M, Command::View(ViewCommand::Measure(!state.live.ruler.active))),
-        (Key::OpenBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed / FASTER))),
-        (Key::CloseBracket, Command::View(ViewCommand::FlySpeed(state.live.fly_speed * FASTER))),
+        (
+            Key::M,
+            Command::View(ViewCommand::look(&state.live, |live| live.ruler.measure(!live.ruler.active))),
+        ),
+        (Key::OpenBracket, Command::View(ViewCommand::look(&state.live, |live| live.fly_speed /= FASTER))),
+        (Key::CloseBracket, Command::View(ViewCommand::look(&state.live, |live| live.fly_speed *= FASTER))),
         (Key::Home, Command::View(ViewCommand::Home)),
         (Key::Questionmark, help),
     ];
@@ -174,21 +177,22 @@ fn time_keys(state: &State) -> Vec<Bound> {
     let (timeline, frames) = (&state.timeline, state.frame_count());
     let last = frames.saturating_sub(1);
     let here = timeline.frame;
-    let range =
-        |first, end| Command::Time(TimeCommand::LoopRange(Some(timeline.range_from(first, end, frames))));
+    let range = |range| Command::Time(TimeCommand::change(timeline, |timeline| timeline.range = range));
+    let from = |first, end| range(Some(timeline.range_from(first, end, frames)));
+    let marks = Command::Time(TimeCommand::change(timeline, Timeline::toggle_marker));
     vec![
         (Modifiers::COMMAND, Key::Home, Command::Time(TimeCommand::Frame(0))),
         (Modifiers::COMMAND, Key::End, Command::Time(TimeCommand::Frame(last))),
-        (Modifiers::SHIFT, Key::M, Command::Time(TimeCommand::ToggleMarker)),
-        (Modifiers::COMMAND, Key::ArrowLeft, Command::Time(TimeCommand::ToMarker(false))),
-        (Modifiers::COMMAND, Key::ArrowRight, Command::Time(TimeCommand::ToMarker(true))),
+        (Modifiers::SHIFT, Key::M, marks),
+        (Modifiers::COMMAND, Key::ArrowLeft, Command::Time(TimeCommand::Frame(timeline.marker(false)))),
+        (Modifiers::COMMAND, Key::ArrowRight, Command::Time(TimeCommand::Frame(timeline.marker(true)))),
         (Modifiers::SHIFT, Key::ArrowLeft, Command::Time(TimeCommand::Frame(here.saturating_sub(TEN)))),
         (Modifiers::SHIFT, Key::ArrowRight, Command::Time(TimeCommand::Frame((here + TEN).min(last)))),
         (Modifiers::NONE, Key::ArrowLeft, Command::Time(TimeCommand::Step(-1))),
         (Modifiers::NONE, Key::ArrowRight, Command::Time(TimeCommand::Step(1))),
-        (Modifiers::SHIFT, Key::I, Command::Time(TimeCommand::LoopRange(None))),
-        (Modifiers::NONE, Key::I, range(Some(here), None)),
-        (Modifiers::NONE, Key::O, range(None, Some(here))),
+        (Modifiers::SHIFT, Key::I, range(None)),
+        (Modifiers::NONE, Key::I, from(Some(here), None)),
+        (Modifiers::NONE, Key::O, from(None, Some(here))),
     ]
 }
 

@@ -4,7 +4,7 @@ use crate::app::control::overlook_app::OverlookApp;
 use crate::app::model::{Command, StoppableWork};
 use crate::app::rooms::files::model::FileCommand;
 use crate::app::rooms::frame::model::WindowCommand;
-use crate::app::rooms::live::model::{ViewCommand, ViewHistory};
+use crate::app::rooms::live::model::ViewHistory;
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::timeline::model::TimeCommand;
 use crate::app::work::Workers;
@@ -105,7 +105,8 @@ impl OverlookApp {
             return;
         }
         if self.state.live.ruler.active {
-            return self.apply(Command::View(ViewCommand::Measure(false)));
+            self.state.live.ruler.measure(false);
+            return;
         }
         if self.state.doc.path.playing.take().is_some() || self.state.look.maximized.take().is_some() {
             return;
@@ -123,10 +124,7 @@ impl OverlookApp {
 fn only_looks(command: &Command) -> bool {
     match command {
         Command::View(_) | Command::Display(_) | Command::Pixel(PixelCommand::Probe(_)) => true,
-        Command::Time(command) => matches!(
-            command,
-            TimeCommand::LoopRange(_) | TimeCommand::PingPong(_) | TimeCommand::ToggleMarker
-        ),
+        Command::Time(command) => matches!(command, TimeCommand::Change(_)),
         Command::Window(command) => !matches!(
             command,
             WindowCommand::InterfaceSize(_)

@@ -278,7 +278,7 @@ fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [bare, png, jpg] = ["view", "view.png", "view.jpg"].map(|name| folder.path().join(name));
     let mut app = ready(2, 2);
-    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Camera)));
+    app.apply(Command::View(ViewCommand::look(&app.state.live, |live| live.color_by = ColorBy::Camera)));
     settle(&mut app);
     for chosen in [false, true] {
         if chosen {

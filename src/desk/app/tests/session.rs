@@ -77,10 +77,10 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     app.apply(Command::View(ViewCommand::Up(Some(glam::DVec3::Y))));
     app.apply(Command::Window(WindowCommand::Workspace(Workspace::Compare)));
     app.apply(Command::Source(SourceCommand::Camera(1)));
-    app.apply(Command::Source(SourceCommand::Overlay(Overlay::WhoWon)));
-    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Camera)));
+    app.state.source.overlay = Overlay::WhoWon;
+    app.apply(Command::View(ViewCommand::look(&app.state.live, |live| live.color_by = ColorBy::Camera)));
     app.apply(Command::View(ViewCommand::Holes(HoleDisplay::Hatched)));
-    app.apply(Command::View(ViewCommand::CameraOn(0, false)));
+    app.apply(Command::View(ViewCommand::look(&app.state.live, |live| live.cameras.switch(0, false))));
     let background = Background::Solid([1, 2, 3]);
     app.apply(Command::Display(Display { exposure: 0.7, background, ..Display::default() }));
     app.state.timeline.markers.insert(2);

@@ -116,8 +116,8 @@ fn pictures_along_the_path_show_what_the_live_view_shows() {
         image::open(pictures.join("0002.png")).unwrap().into_rgb8()
     };
     let plain = written(&mut app, "plain");
-    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Camera)));
-    app.apply(Command::View(ViewCommand::CameraOn(1, false)));
+    app.apply(Command::View(ViewCommand::look(&app.state.live, |live| live.color_by = ColorBy::Camera)));
+    app.apply(Command::View(ViewCommand::look(&app.state.live, |live| live.cameras.switch(1, false))));
     settle(&mut app);
     assert_eq!(app.state.film_look().unwrap(), "colored by camera, without 1 hidden camera");
     let colored = written(&mut app, "colored");
@@ -181,7 +181,8 @@ fn an_address_gives_back_the_viewpoint_and_the_frame_to_the_last_bit() {
         [DVec2::new(0.3, 0.1), DVec2::new(-2.1, -0.4), DVec2::new(1e-7, 0.0)].into_iter().enumerate()
     {
         app.apply(Command::View(ViewCommand::Orbit(angles)));
-        app.apply(Command::View(ViewCommand::AngleOfView(0.5 + nth as f64 / 7.0)));
+        let orbit = app.state.live.orbit.as_mut().unwrap();
+        orbit.set_angle_of_view(0.5 + nth as f64 / 7.0);
         app.apply(Command::Time(TimeCommand::Frame(nth + 1)));
         let before = app.state.live.orbit.clone().unwrap();
         let address = copied_address(&mut app);

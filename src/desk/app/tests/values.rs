@@ -58,7 +58,7 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     app.apply(Command::View(ViewCommand::JumpTo(0)));
     settle(&mut app);
     let picture = shown(&app);
-    app.apply(Command::View(ViewCommand::ColorBy(ColorBy::Value)));
+    app.apply(Command::View(ViewCommand::look(&app.state.live, |live| live.color_by = ColorBy::Value)));
     settle(&mut app);
     let colored = shown(&app);
     assert!(colored != picture);

@@ -1,6 +1,6 @@
 //! Carries out what concerns the source view.
 
-use super::model::SourceCommand;
+use super::model::{SourceCommand, SourceLook};
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::frame::model::DockView;
 
@@ -17,9 +17,10 @@ impl OverlookApp {
                     self.show_in_list();
                 }
             }
-            SourceCommand::Overlay(overlay) => state.source.overlay = overlay,
-            SourceCommand::Against(against) => state.source.against = against,
-            SourceCommand::Zoom(part) => state.source.part = part,
+            SourceCommand::Look(look) => {
+                let SourceLook { camera, chosen_at, .. } = state.source;
+                state.source = SourceLook { camera, chosen_at, ..look };
+            }
             SourceCommand::Isolate(camera) => state.doc.isolated = camera,
         }
     }

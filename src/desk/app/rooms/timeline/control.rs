@@ -1,6 +1,6 @@
 //! Carries out what concerns time.
 
-use super::model::{ShownRate, TimeCommand};
+use super::model::{ShownRate, TimeCommand, Timeline};
 use crate::app::control::overlook_app::OverlookApp;
 
 impl OverlookApp {
@@ -18,17 +18,12 @@ impl OverlookApp {
                 timeline.elapsed_secs = 0.0;
                 timeline.shown = ShownRate::default();
             }
-            TimeCommand::LoopRange(range) => timeline.range = range,
-            TimeCommand::ToggleMarker => {
-                if frames > 0 {
-                    timeline.toggle_marker();
-                }
+            TimeCommand::Change(changed) => {
+                let Timeline { range, markers, ping_pong, frames_per_second, .. } = *changed;
+                timeline.backward &= ping_pong && timeline.ping_pong;
+                timeline.frames_per_second = frames_per_second.clamp(1.0, 120.0);
+                (timeline.range, timeline.markers, timeline.ping_pong) = (range, markers, ping_pong);
             }
-            TimeCommand::ToMarker(forward) => {
-                timeline.frame = timeline.marker(forward).unwrap_or(timeline.frame);
-            }
-            TimeCommand::PingPong(on) => (timeline.ping_pong, timeline.backward) = (on, false),
-            TimeCommand::FramesPerSecond(rate) => timeline.frames_per_second = rate.clamp(1.0, 120.0),
         }
     }
 }

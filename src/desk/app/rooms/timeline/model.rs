@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, VecDeque};
 use std::time::{Duration, Instant};
 
 /// Where in time.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "ways in which time passes, each by its name")]
 pub(crate) struct Timeline {
     pub frame: usize,
@@ -31,7 +31,7 @@ pub(crate) struct Timeline {
 const COUNTED: Duration = Duration::from_secs(1);
 
 /// Counts the frames that are shown.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ShownRate {
     last: Option<usize>,
     /// When those of the last second were shown.
@@ -96,12 +96,12 @@ impl Timeline {
         self.frame = first + if self.backward { 2 * length - place } else { place };
     }
 
-    /// The next marker after this frame, or the last one before it; around the ends.
-    pub(crate) fn marker(&self, forward: bool) -> Option<usize> {
+    /// The next marker after this frame, or the last one before it; around the ends. Without any, this frame.
+    pub(crate) fn marker(&self, forward: bool) -> usize {
         let (before, after) = (self.markers.range(..self.frame), self.markers.range(self.frame + 1..));
         let (first, last) = (self.markers.first(), self.markers.last());
         let found = if forward { after.min().or(first) } else { before.max().or(last) };
-        found.copied()
+        found.copied().unwrap_or(self.frame)
     }
 
     /// Marks this frame, or takes its marker away.
@@ -123,21 +123,23 @@ impl Timeline {
 }
 
 /// What concerns time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum TimeCommand {
     Frame(usize),
     /// Step forward or back, around the ends.
     Step(i64),
     TogglePlay,
-    FramesPerSecond(f32),
-    /// First and last frame of what is played; all frames by `None`.
-    LoopRange(Option<[usize; 2]>),
-    /// Whether playback turns back at either end.
-    PingPong(bool),
-    /// Mark this frame, or take its marker away.
-    ToggleMarker,
-    /// Go to the next marker (true), or to the one before.
-    ToMarker(bool),
+    /// Let time pass otherwise: another range or rate, other markers, or other ways at the ends.
+    Change(Box<Timeline>),
+}
+
+impl TimeCommand {
+    /// The command that lets time pass as a change makes it.
+    pub(crate) fn change(timeline: &Timeline, change: impl FnOnce(&mut Timeline)) -> Self {
+        let mut timeline = Box::new(timeline.clone());
+        change(&mut timeline);
+        Self::Change(timeline)
+    }
 }
 
 #[cfg(test)]

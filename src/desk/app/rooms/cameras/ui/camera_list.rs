@@ -5,7 +5,7 @@ use egui_material_icons::icons::{ICON_VISIBILITY, ICON_VISIBILITY_OFF};
 
 use super::overlay;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::live::model::ViewCommand;
+use crate::app::rooms::live::model::{ShownCameras, ViewCommand};
 use crate::app::rooms::source::model::SourceCommand;
 use crate::app::widgets::{dot, icon_button, note};
 
@@ -34,7 +34,9 @@ pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands
     ui.horizontal(|ui| {
         for (name, on) in [("All on", true), ("All off", false)] {
             if ui.button(name).clicked() {
-                commands.push(Command::View(ViewCommand::AllCameras(on)));
+                let off = if on { 0..0 } else { 0..scene.cameras.len() };
+                let cameras = ShownCameras { off: off.collect(), solo: None };
+                commands.push(Command::View(ViewCommand::look(&state.live, |live| live.cameras = cameras)));
             }
         }
         let shown = (0..scene.cameras.len()).filter(|camera| cameras.shows(*camera)).count();
@@ -95,12 +97,14 @@ fn row_ui(ui: &mut Ui, state: &State, index: usize, name: &str, commands: &mut C
     let (icon, verb) = if is_on { (ICON_VISIBILITY, "Hide") } else { (ICON_VISIBILITY_OFF, "Show") };
     let help = format!("{verb} the samples of {name} in the live view");
     if icon_button(ui, icon, &format!("{verb} {name}"), &help).clicked() {
-        commands.push(Command::View(ViewCommand::CameraOn(index, !is_on)));
+        commands
+            .push(Command::View(ViewCommand::look(&state.live, |live| live.cameras.switch(index, !is_on))));
     }
     let is_solo = cameras.solo == Some(index);
     let solo = ui.selectable_label(is_solo, "Solo").accessible_name(format!("Solo {name}"));
     if solo.on_hover_text("Show its samples alone").clicked() {
-        commands.push(Command::View(ViewCommand::Solo((!is_solo).then_some(index))));
+        let solo = (!is_solo).then_some(index);
+        commands.push(Command::View(ViewCommand::look(&state.live, |live| live.cameras.solo = solo)));
     }
     dot(ui, index);
     let chosen = overlay::is_chosen(state, index);

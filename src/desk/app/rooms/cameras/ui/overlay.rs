@@ -279,9 +279,14 @@ pub(crate) fn menu(
             ("View from it", Command::View(ViewCommand::JumpTo(camera))),
             (
                 if is_solo { "All cameras again" } else { "Solo" },
-                Command::View(ViewCommand::Solo((!is_solo).then_some(camera))),
+                Command::View(ViewCommand::look(&state.live, |live| {
+                    live.cameras.solo = (!is_solo).then_some(camera)
+                })),
             ),
-            (if shows { "Hide" } else { "Show" }, Command::View(ViewCommand::CameraOn(camera, !shows))),
+            (
+                if shows { "Hide" } else { "Show" },
+                Command::View(ViewCommand::look(&state.live, |live| live.cameras.switch(camera, !shows))),
+            ),
         ] {
             if ui.button(name).clicked() {
                 commands.push(command);

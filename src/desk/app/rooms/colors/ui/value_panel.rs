@@ -35,7 +35,8 @@ pub(crate) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
         }
         let shown = state.live.color_by == ColorBy::Value;
         if !shown && ui.button("Show").on_hover_text("Color the live view by it.").clicked() {
-            commands.push(Command::View(ViewCommand::ColorBy(ColorBy::Value)));
+            commands
+                .push(Command::View(ViewCommand::look(&state.live, |live| live.color_by = ColorBy::Value)));
         }
     });
     let maps: Vec<_> =

@@ -13,7 +13,7 @@ use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::rooms::report::model::{Table, TableForm};
 use crate::app::rooms::settings::model::{PRESETS, SettingsCommand, setting_names};
 use crate::app::rooms::share::model::{FigureOf, ShareCommand};
-use crate::app::rooms::source::model::SourceCommand;
+use crate::app::rooms::source::model::{SourceCommand, SourceLook};
 use crate::app::rooms::timeline::model::TimeCommand;
 use overlook_engine::demo::SCENES;
 use overlook_engine::edits::Action;
@@ -176,10 +176,18 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
         add(format!("Open view: {name}"), "", Command::Window(WindowCommand::OpenView(view)));
     }
     for (overlay, name, _) in state.overlays() {
-        add(format!("Source shows: {name}"), "", Command::Source(SourceCommand::Overlay(overlay)));
+        add(
+            format!("Source shows: {name}"),
+            "",
+            Command::Source(SourceCommand::Look(SourceLook { overlay, ..state.source })),
+        );
     }
     for (color_by, name, _) in state.live_colors() {
-        add(format!("Live view shows: {name}"), "", Command::View(ViewCommand::ColorBy(color_by)));
+        add(
+            format!("Live view shows: {name}"),
+            "",
+            Command::View(ViewCommand::look(&state.live, |live| live.color_by = color_by)),
+        );
     }
     for (holes, name, _) in HoleDisplay::ALL {
         add(format!("Holes: {name}"), "H", Command::View(ViewCommand::Holes(holes)));

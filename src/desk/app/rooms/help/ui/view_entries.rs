@@ -8,9 +8,9 @@ use crate::app::rooms::charts::ui::chart_commands;
 use crate::app::rooms::colors::model::Display;
 use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
-use crate::app::rooms::live::model::{FrameGuide, Guides, KeptViewCommand, UP_DIRECTIONS, ViewCommand};
+use crate::app::rooms::live::model::{FrameGuide, KeptViewCommand, ShownCameras, UP_DIRECTIONS, ViewCommand};
 use crate::app::rooms::share::model::{ShareCommand, ShareWay};
-use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::rooms::timeline::model::{TimeCommand, Timeline};
 
 /// Names, keys and commands.
 pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)> {
@@ -44,7 +44,7 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         let keys = if way == ShareWay::Store { "Ctrl+S" } else { "" };
         entries.push((format!("Share: {name}"), keys, Command::Share(ShareCommand::Open(Some(way)))));
     }
-    for (name, keys, command) in view_commands() {
+    for (name, keys, command) in view_commands(state) {
         entries.push((name.to_owned(), keys, command));
     }
     for (name, keys, axis) in [
@@ -62,8 +62,8 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         entries.push((format!("Up: {name}"), "", Command::View(ViewCommand::Up(up))));
     }
     for (guide, name, _) in FrameGuide::ALL {
-        let guides = Guides { frame: guide, ..state.live.guides };
-        entries.push((format!("Frame guide: {name}"), "", Command::View(ViewCommand::Guides(guides))));
+        let command = ViewCommand::look(&state.live, |live| live.guides.frame = guide);
+        entries.push((format!("Frame guide: {name}"), "", Command::View(command)));
     }
     entries.push(("Keep view".to_owned(), "Ctrl+D", Command::View(ViewCommand::Kept(KeptViewCommand::Keep))));
     let kept = state.doc.kept_views.iter().enumerate();
@@ -72,27 +72,37 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     }));
     let cameras = state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
     entries.extend(cameras.map(|(index, camera)| {
-        let command = Command::View(ViewCommand::Solo(Some(index)));
+        let command = Command::View(ViewCommand::look(&state.live, |live| live.cameras.solo = Some(index)));
         (format!("Solo camera {}", camera.name), "", command)
     }));
     entries
 }
 
 /// Entries that are there whatever is open.
-fn view_commands() -> [(&'static str, &'static str, Command); 17] {
+fn view_commands(state: &State) -> [(&'static str, &'static str, Command); 17] {
+    let timeline = &state.timeline;
+    let time = |change: fn(&mut Timeline)| Command::Time(TimeCommand::change(timeline, change));
     [
         ("Maximize or restore a view", "Shift+Space", Command::Window(WindowCommand::Maximize(None))),
         ("Full screen", "F11", Command::Window(WindowCommand::FullScreen)),
         ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
         ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
-        ("Measure distance", "M", Command::View(ViewCommand::Measure(true))),
-        ("Show all cameras' samples", "", Command::View(ViewCommand::AllCameras(true))),
-        ("Loop over all frames", "Shift+I", Command::Time(TimeCommand::LoopRange(None))),
-        ("Mark this frame, or take its marker away", "Shift+M", Command::Time(TimeCommand::ToggleMarker)),
-        ("Next marker", "Ctrl+Right", Command::Time(TimeCommand::ToMarker(true))),
-        ("Previous marker", "Ctrl+Left", Command::Time(TimeCommand::ToMarker(false))),
-        ("Play back and forth", "", Command::Time(TimeCommand::PingPong(true))),
-        ("Play around the ends", "", Command::Time(TimeCommand::PingPong(false))),
+        (
+            "Measure distance",
+            "M",
+            Command::View(ViewCommand::look(&state.live, |live| live.ruler.measure(true))),
+        ),
+        (
+            "Show all cameras' samples",
+            "",
+            Command::View(ViewCommand::look(&state.live, |live| live.cameras = ShownCameras::default())),
+        ),
+        ("Loop over all frames", "Shift+I", time(|timeline| timeline.range = None)),
+        ("Mark this frame, or take its marker away", "Shift+M", time(Timeline::toggle_marker)),
+        ("Next marker", "Ctrl+Right", Command::Time(TimeCommand::Frame(timeline.marker(true)))),
+        ("Previous marker", "Ctrl+Left", Command::Time(TimeCommand::Frame(timeline.marker(false)))),
+        ("Play back and forth", "", time(|timeline| timeline.ping_pong = true)),
+        ("Play around the ends", "", time(|timeline| timeline.ping_pong = false)),
         ("Copy the address of this view", "Ctrl+L", Command::View(ViewCommand::CopyAddress)),
         ("Reset colors", "", Command::Display(Display::default())),
         ("Save camera path", "", Command::File(FileCommand::AskPath(Purpose::SavePath))),

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::address;
 use crate::app::control::overlook_app::OverlookApp;
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
-use crate::app::rooms::live::model::{FLY_SPEEDS, HoleDisplay, OrbitCamera, ViewCommand};
+use crate::app::rooms::live::model::{FLY_SPEEDS, HoleDisplay, LiveLook, OrbitCamera, ViewCommand};
 use crate::app::rooms::path::control::key_of;
 use crate::app::rooms::source::model::PictureZoom;
 use overlook_engine::capture::transforms::{Easing, PathView, path_from_json, path_to_json};
@@ -30,11 +30,11 @@ impl OverlookApp {
             ViewCommand::Kept(command) => self.apply_to_kept_views(command),
             ViewCommand::Paste => self.ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
             ViewCommand::Pasted(text) => self.paste_view(&text),
-            ViewCommand::Guides(guides) => live.guides = guides,
-            ViewCommand::FlySpeed(speed) => {
-                live.fly_speed = speed.clamp(*FLY_SPEEDS.start(), *FLY_SPEEDS.end());
+            ViewCommand::Look(mut look) => {
+                look.fly_speed = look.fly_speed.clamp(*FLY_SPEEDS.start(), *FLY_SPEEDS.end());
+                let (size, is_held, up) = (live.size, live.is_held, live.up);
+                *live = LiveLook { orbit: live.orbit.take(), size, is_held, up, ..*look };
             }
-            ViewCommand::Unit(unit) => live.unit = unit,
             ViewCommand::Up(up) => {
                 live.up = up;
                 self.state.remember_up(up);
@@ -48,25 +48,6 @@ impl OverlookApp {
                 live.up_wanted_at = Some(self.ctx.cumulative_frame_nr());
                 self.open_view(DockView::View);
             }
-            ViewCommand::CameraOn(camera, true) => {
-                live.cameras.off.remove(&camera);
-            }
-            ViewCommand::CameraOn(camera, false) => {
-                live.cameras.off.insert(camera);
-            }
-            ViewCommand::Solo(camera) => live.cameras.solo = camera,
-            ViewCommand::AllCameras(on) => {
-                let count = self.state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
-                live.cameras.solo = None;
-                live.cameras.off = if on { 0..0 } else { 0..count }.collect();
-            }
-            ViewCommand::Measure(active) => {
-                live.ruler.active = active;
-                live.ruler.points.clear();
-            }
-            ViewCommand::PickPoint(point) => live.ruler.pick(point),
-            ViewCommand::ColorBy(color_by) => live.color_by = color_by,
-            ViewCommand::ShowCameras(show) => live.show_cameras = show,
             ViewCommand::Size(size) => live.size = size,
             ViewCommand::Holes(holes) => self.show_holes(holes),
             ViewCommand::Home => {
@@ -85,9 +66,7 @@ impl OverlookApp {
             }
             ViewCommand::FramePoint => self.frame_point(),
             ViewCommand::Focus(point) => self.turn(|orbit| orbit.look_at(point)),
-            ViewCommand::AngleOfView(angle) => self.turn(|orbit| orbit.set_angle_of_view(angle)),
-            ViewCommand::Position(at) => self.turn(|orbit| orbit.world_from_camera.translation = at),
-            ViewCommand::Angles(angles) => self.turn(|orbit| orbit.set_angles(angles)),
+            ViewCommand::Camera(camera) => self.turn(|orbit| *orbit = *camera),
             ViewCommand::LookAlong(direction) => self.turn(|orbit| orbit.look_along(direction)),
             ViewCommand::Orbit(angles) => self.turn(|orbit| orbit.orbit(angles)),
             ViewCommand::Pan(share) => self.turn(|orbit| orbit.pan(share)),

@@ -2,18 +2,15 @@
 
 use glam::{DVec2, DVec3};
 
-use super::picture::{ColorBy, HoleDisplay};
-use super::pose::ViewAngles;
-use super::view_look::{Guides, Unit};
+use super::look::LiveLook;
+use super::orbit_camera::OrbitCamera;
+use super::picture::HoleDisplay;
 
 /// What can be done to the live view's camera and to what surrounds its picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ViewCommand {
-    /// Horizontal, radians.
-    AngleOfView(f64),
-    /// World space.
-    Position(DVec3),
-    Angles(ViewAngles),
+    /// Take another camera, whose numbers were changed.
+    Camera(Box<OrbitCamera>),
     /// Look at the pivot along a direction in world space.
     LookAlong(DVec3),
     Copy,
@@ -31,22 +28,12 @@ pub(crate) enum ViewCommand {
     Paste,
     /// Take what was copied.
     Pasted(String),
-    Guides(Guides),
-    FlySpeed(f64),
-    Unit(Unit),
+    /// Let the view look otherwise, but for its camera, size and up.
+    Look(Box<LiveLook>),
     /// Let a direction of world space be up; `None` takes the one of the capture.
     Up(Option<DVec3>),
     /// Show where it is chosen which way is up.
     FindUp,
-    /// Show or leave out the samples of a camera.
-    CameraOn(usize, bool),
-    /// Show the samples of one camera alone; of all that are on by `None`.
-    Solo(Option<usize>),
-    AllCameras(bool),
-    /// Whether clicks pick points to measure between.
-    Measure(bool),
-    /// World space.
-    PickPoint(DVec3),
     /// Orbit by angles in radians.
     Orbit(DVec2),
     /// Shift the right view by shares of its height.
@@ -64,9 +51,7 @@ pub(crate) enum ViewCommand {
     JumpTo(usize),
     /// Back to the first vantage, and the left picture back to fit.
     Home,
-    ColorBy(ColorBy),
     Holes(HoleDisplay),
-    ShowCameras(bool),
     Size([u32; 2]),
     /// Center the live view on the selected pixel.
     FramePoint,
@@ -86,6 +71,20 @@ pub(crate) enum KeptViewCommand {
 }
 
 impl ViewCommand {
+    /// The command that lets the view look as a change makes it.
+    pub(crate) fn look(look: &LiveLook, change: impl FnOnce(&mut LiveLook)) -> Self {
+        let mut look = Box::new(look.clone());
+        change(&mut look);
+        Self::Look(look)
+    }
+
+    /// The command that takes a camera as a change makes it.
+    pub(crate) fn camera(camera: &OrbitCamera, change: impl FnOnce(&mut OrbitCamera)) -> Self {
+        let mut camera = Box::new(camera.clone());
+        change(&mut camera);
+        Self::Camera(camera)
+    }
+
     /// Whether it moves the view by hand, and nothing else.
     pub(crate) fn moves_view(&self) -> bool {
         matches!(self, Self::Orbit(_) | Self::Pan(_) | Self::Dolly(_) | Self::DollyTo { .. } | Self::Fly(_))

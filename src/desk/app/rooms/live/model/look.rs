@@ -11,7 +11,7 @@ use crate::app::model::scene::OpenScene;
 pub(crate) const FIRST_SIZE: [u32; 2] = [960, 720];
 
 /// How the live view looks.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LiveLook {
     /// The virtual camera; `None` while nothing is open.
     pub orbit: Option<OrbitCamera>,

@@ -14,6 +14,7 @@ pub(crate) mod view_look;
 
 pub(crate) use command::{KeptViewCommand, ViewCommand};
 pub(crate) use kept_views::{KeptView, next_name};
+pub(crate) use look::LiveLook;
 pub(crate) use orbit_camera::OrbitCamera;
 pub(crate) use picture::{
     CarriedLook, CarryKey, ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, ShownCarried,

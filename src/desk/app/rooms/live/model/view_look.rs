@@ -57,6 +57,15 @@ impl ShownCameras {
         self.solo.map_or_else(|| !self.off.contains(&camera), |solo| solo == camera)
     }
 
+    /// Shows or leaves out the samples of one.
+    pub(crate) fn switch(&mut self, camera: usize, on: bool) {
+        if on {
+            self.off.remove(&camera);
+        } else {
+            self.off.insert(camera);
+        }
+    }
+
     /// Whether all are.
     pub(crate) fn shows_all(&self) -> bool {
         self.off.is_empty() && self.solo.is_none()
@@ -121,6 +130,11 @@ impl Ruler {
     pub(crate) fn distance(&self) -> Option<f64> {
         let [a, b] = self.points.as_slice() else { return None };
         Some((*a - *b).length())
+    }
+
+    /// Lets clicks pick points, or no longer.
+    pub(crate) fn measure(&mut self, active: bool) {
+        *self = Self { active, points: Vec::new() };
     }
 
     /// Takes a point; a third one begins anew.

@@ -52,7 +52,7 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, state.live_colors()) {
-            commands.push(Command::View(ViewCommand::ColorBy(color_by)));
+            commands.push(Command::View(ViewCommand::look(&state.live, |live| live.color_by = color_by)));
         }
         let needed = LABEL_WIDTH + least_width_of_segments(ui, &HoleDisplay::ALL);
         if ui.available_size_before_wrap().x < needed {
@@ -79,7 +79,7 @@ pub(crate) fn go_to_camera_ui(ui: &mut Ui, state: &State, commands: &mut Command
         (ICON_VIDEOCAM_OFF, "Show cameras")
     };
     if icon_button(ui, icon, name, name).clicked() {
-        commands.push(Command::View(ViewCommand::ShowCameras(!state.live.show_cameras)));
+        commands.push(Command::View(ViewCommand::look(&state.live, |live| live.show_cameras ^= true)));
     }
     if icon_button(ui, ICON_HOME, "Reset view", "Back to the start view (Home)").clicked() {
         commands.push(Command::View(ViewCommand::Home));
@@ -172,7 +172,7 @@ fn measure_ui(ui: &Ui, response: &Response, canvas: Rect, state: &State, command
     }
     let clicked = response.interact_pointer_pos().filter(|_| response.clicked());
     if let Some(point) = clicked.and_then(|at| point_under(state, canvas, at)) {
-        commands.push(Command::View(ViewCommand::PickPoint(point)));
+        commands.push(Command::View(ViewCommand::look(&state.live, |live| live.ruler.pick(point))));
     }
 }
 

@@ -53,7 +53,7 @@ fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
         let slider = Slider::new(&mut degrees, range[0]..=range[1]).suffix("°").max_decimals(1);
         let slider = ui.add(slider).accessible_name("Field of view");
         if slider.on_hover_text("Horizontal angle that the lens sees.").changed() {
-            sent.push(ViewCommand::AngleOfView(degrees * PI / 180.0));
+            sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angle_of_view(degrees * PI / 180.0)));
         }
     });
     note(ui, format!("focal length {:.0} px of {}×{}", orbit.lens.fx, orbit.lens.width, orbit.lens.height));
@@ -78,7 +78,7 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
         }
     });
     if position != orbit.world_from_camera.translation {
-        sent.push(ViewCommand::Position(position));
+        sent.push(ViewCommand::camera(orbit, |orbit| orbit.world_from_camera.translation = position));
     }
     let before = angles;
     ui.horizontal_wrapped(|ui| {
@@ -100,7 +100,7 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
         ui.add(Label::new(caption).extend());
     });
     if angles != before {
-        sent.push(ViewCommand::Angles(angles));
+        sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angles(angles)));
     }
     ui.horizontal_wrapped(|ui| {
         for (icon, name, help, command) in [
@@ -144,7 +144,7 @@ fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
         ui.add(Checkbox::new(on, name)).on_hover_text(help);
     }
     if guides != state.live.guides {
-        sent.push(ViewCommand::Guides(guides));
+        sent.push(ViewCommand::look(&state.live, |live| live.guides = guides));
     }
 }
 
@@ -156,7 +156,7 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
         let slider = Slider::new(&mut speed, FLY_SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
         let help = "Speed of W A S D, Q E; [ and ] change it, Shift is four times as fast.";
         if ui.add(slider).accessible_name("Fly speed").on_hover_text(help).changed() {
-            sent.push(ViewCommand::FlySpeed(speed));
+            sent.push(ViewCommand::look(&state.live, |live| live.fly_speed = speed));
         }
         ui.end_row();
         let up = ui.label("Up");
@@ -169,7 +169,9 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
         }
         ui.end_row();
         ui.label("Unit");
-        sent.extend(segments_ui(ui, "Unit", state.live.unit, Unit::ALL).map(ViewCommand::Unit));
+        if let Some(unit) = segments_ui(ui, "Unit", state.live.unit, Unit::ALL) {
+            sent.push(ViewCommand::look(&state.live, |live| live.unit = unit));
+        }
         ui.end_row();
         ui.label("Distance");
         ui.horizontal(|ui| {
@@ -179,7 +181,7 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
                 .on_hover_text("Click two points of the live view to measure between them (M).")
                 .clicked()
             {
-                sent.push(ViewCommand::Measure(!ruler.active));
+                sent.push(ViewCommand::look(&state.live, |live| live.ruler.measure(!ruler.active)));
             }
             if let Some(distance) = ruler.distance() {
                 ui.label(RichText::new(state.live.unit.length(distance)).strong());

@@ -9,7 +9,7 @@ use crate::app::rooms::path::ui::{length_ui, size_ui, still_ui};
 use crate::app::rooms::share::model::{
     DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
 };
-use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::rooms::timeline::model::{TimeCommand, Timeline};
 use crate::app::widgets::{note, segments_ui, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::FilmComparison;
@@ -155,7 +155,8 @@ fn film_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mu
         let mut rate = state.timeline.frames_per_second;
         let drag = DragValue::new(&mut rate).range(1.0..=120.0).max_decimals(2).suffix(" a second");
         if ui.add(drag).accessible_name("Pictures a second").changed() {
-            commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
+            let change = |timeline: &mut Timeline| timeline.frames_per_second = rate;
+            commands.push(Command::Time(TimeCommand::change(&state.timeline, change)));
         }
         let keys = counted(state.doc.path.keys.len(), "key");
         weak(ui, format!("{keys}, {}", counted(state.film_pictures(), "picture")));

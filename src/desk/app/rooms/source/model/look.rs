@@ -4,7 +4,7 @@ use super::picture::Overlay;
 use super::picture_zoom::PictureZoom;
 
 /// How the source view looks.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct SourceLook {
     pub camera: usize,
     /// The frame of the window in which a camera was chosen by hand; `None` before.

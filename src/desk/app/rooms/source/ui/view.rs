@@ -15,7 +15,7 @@ use crate::app::rooms::files::model::{FileCommand, Purpose};
 use crate::app::rooms::pixel::model::{PixelCommand, Spot, verdict_text as words};
 use crate::app::rooms::share::model::FigureOf;
 use crate::app::rooms::share::ui::picture_menu::picture_menu_ui;
-use crate::app::rooms::source::model::{Legend, Overlay, PictureZoom, SourceCommand};
+use crate::app::rooms::source::model::{Legend, Overlay, PictureZoom, SourceCommand, SourceLook};
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::Tokens;
 use crate::app::widgets::{camera_choices, choice_ui, empty_ui, scrolled, segments_ui, waiting, weak};
@@ -59,7 +59,7 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, state.overlays()) {
-        commands.push(Command::Source(SourceCommand::Overlay(overlay)));
+        commands.push(Command::Source(SourceCommand::Look(SourceLook { overlay, ..state.source })));
     }
 }
 
@@ -73,7 +73,7 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let best = (None, "best other", "");
         let others: Vec<_> = std::iter::once(best).chain(others).collect();
         if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST_WIDTH) {
-            commands.push(Command::Source(SourceCommand::Against(against)));
+            commands.push(Command::Source(SourceCommand::Look(SourceLook { against, ..state.source })));
         }
         weak(ui, "vs");
     }
@@ -228,20 +228,20 @@ fn zoom_and_pan(
     commands: &mut Commands,
 ) {
     let part = state.source.part;
+    let zoom = |part| Command::Source(SourceCommand::Look(SourceLook { part, ..state.source }));
     if response.double_clicked() && !is_drawn {
-        commands.push(Command::Source(SourceCommand::Zoom(PictureZoom::default())));
+        commands.push(zoom(PictureZoom::default()));
         return;
     }
     let pans = response.dragged() && !(is_drawn && response.dragged_by(PointerButton::Primary));
     if pans && part.zoom > 1.0 {
-        commands
-            .push(Command::Source(SourceCommand::Zoom(part.shifted(response.drag_delta() / picture.size()))));
+        commands.push(zoom(part.shifted(response.drag_delta() / picture.size())));
     }
     let Some(pointer) = response.hover_pos() else { return };
     let scroll = scrolled(ui);
     if scroll != 0.0 {
         let at = (pointer - picture.min) / picture.size();
-        commands.push(Command::Source(SourceCommand::Zoom(part.scrolled(scroll, at))));
+        commands.push(zoom(part.scrolled(scroll, at)));
     }
 }
 

@@ -49,7 +49,8 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let drag =
         ui.add(drag).on_hover_text("Frames per second of playback").accessible_name("Frames per second");
     if drag.changed() {
-        commands.push(Command::Time(TimeCommand::FramesPerSecond(rate)));
+        commands
+            .push(Command::Time(TimeCommand::change(timeline, |timeline| timeline.frames_per_second = rate)));
     }
     loop_ui(ui, state, commands);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -82,14 +83,15 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         (ICON_LAST_PAGE, "Loop to here", "Loop to here (O)", timeline.range_from(None, Some(here), frames)),
     ] {
         if icon_button(ui, icon, name, help).clicked() {
-            commands.push(Command::Time(TimeCommand::LoopRange(Some(range))));
+            commands
+                .push(Command::Time(TimeCommand::change(timeline, |timeline| timeline.range = Some(range))));
         }
     }
     if let Some([first, last]) = timeline.range {
         let text = format!("{} – {}", first + 1, last + 1);
         let clear = ui.button(text).accessible_name("Loop over all frames");
         if clear.on_hover_text("Loop over all frames again (Shift+I)").clicked() {
-            commands.push(Command::Time(TimeCommand::LoopRange(None)));
+            commands.push(Command::Time(TimeCommand::change(timeline, |timeline| timeline.range = None)));
         }
     }
     let (icon, name) = if timeline.markers.contains(&here) {
@@ -105,7 +107,7 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     )
     .clicked()
     {
-        commands.push(Command::Time(TimeCommand::ToggleMarker));
+        commands.push(Command::Time(TimeCommand::change(timeline, Timeline::toggle_marker)));
     }
     let (icon, name) = if timeline.ping_pong {
         (ICON_SWAP_HORIZ, "Play around the ends")
@@ -113,7 +115,7 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         (ICON_REPEAT, "Play back and forth")
     };
     if icon_button(ui, icon, name, name).clicked() {
-        commands.push(Command::Time(TimeCommand::PingPong(!timeline.ping_pong)));
+        commands.push(Command::Time(TimeCommand::change(timeline, |timeline| timeline.ping_pong ^= true)));
     }
 }
 
