@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::app::control::OverlookApp;
+use crate::app::model::Same;
 use crate::app::model::{Command, Message};
 use crate::app::rooms::live::model::{CarriedLook, CarryKey, LiveKey, PixelSource, ViewCommand};
 use crate::app::rooms::pixel::model::{PixelCommand, Spot};
@@ -22,7 +23,7 @@ fn carried(app: &OverlookApp, to: &Camera) -> Message {
     let PixelSource::InMemory { image, rendered } = &shown.picture.pixels else { panic!("on a card") };
     let carried = CarriedLook { image: image.clone(), inverse_depth: rendered.inverse_depth.clone() };
     let (picture, from) = (shown.picture.clone(), shown.key.vantage.camera.clone());
-    let key = CarryKey { scene: shown.key.scene, picture, from, to: to.clone() };
+    let key = CarryKey { scene: shown.key.scene, picture: Same(picture), from, to: to.clone() };
     Message::LiveCarried { key, carried: Some(carried) }
 }
 

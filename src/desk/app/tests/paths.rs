@@ -13,7 +13,7 @@ use crate::app::rooms::live::model::{ColorBy, ViewCommand};
 use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
 use crate::app::rooms::pixel::model::{PixelCommand, Spot};
 use crate::app::rooms::report::model::Table;
-use crate::app::tests::{ready, set_method, settle, start, step, wait};
+use crate::app::tests::{change_path, ready, set_method, settle, start, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {

@@ -10,7 +10,7 @@ use crate::app::rooms::live::model::{ColorBy, ViewCommand};
 use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::share::model::{ShareCommand, ShareOptions, ShareOutcome, ShareWay};
 use crate::app::rooms::timeline::model::TimeCommand;
-use crate::app::tests::{ready, settle, wait};
+use crate::app::tests::{change_path, ready, settle, wait};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::settings::Settings;
 use overlook_engine::splats::SplatFormat;

@@ -3,19 +3,17 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::model::{PRESETS, SettingsCommand};
+use super::model::SettingsCommand;
 use crate::app::control::overlook_app::OverlookApp;
 
 use crate::app::model::{Part, Undoable, method_of};
 use crate::app::rooms::frame::model::{DockView, NoticeKind};
-use crate::app::rooms::settings::model::keep;
 use crate::app::work::slot::AnySlot;
 use overlook_engine::settings::Settings;
 
 impl OverlookApp {
     /// Carries out what concerns settings.
     pub(crate) fn apply_to_settings(&mut self, command: SettingsCommand) {
-        let own = &mut self.state.inspector.presets;
         match command {
             SettingsCommand::Set { path, value } => self.set(path, value),
             SettingsCommand::Reset(path) => {
@@ -28,35 +26,19 @@ impl OverlookApp {
                 let settings = self.state.inspector.history.switch(&self.state.settings);
                 self.put_settings(settings);
             }
-            SettingsCommand::Preset(index) => {
-                if let Some((_, _, change)) = PRESETS.get(index) {
-                    let mut settings = Settings::default();
-                    change(&mut settings);
-                    self.take_preset(settings);
-                }
-            }
-            SettingsCommand::OwnPreset(index) => {
-                if let Some((_, settings)) = own.get(index).cloned() {
-                    self.take_preset(settings);
-                }
-            }
+            SettingsCommand::Preset(settings) => self.take_preset(*settings),
             SettingsCommand::NamePreset(name) => self.state.inspector.naming = name,
-            SettingsCommand::SavePreset(name) => {
+            SettingsCommand::OwnPresets(presets) => {
                 self.state.inspector.naming = None;
-                let shown = self.state.shown_settings();
-                keep(&mut self.state.inspector.presets, name.trim(), &shown);
-            }
-            SettingsCommand::RemovePreset(index) => {
-                if index < own.len() {
-                    own.remove(index);
-                }
+                self.state.inspector.presets = presets;
             }
             SettingsCommand::Take(settings) => self.take_point(*settings),
             SettingsCommand::Find(path) => {
-                self.state.inspector.find_setting = Some(path);
-                self.dock.open(DockView::Thresholds);
+                self.state.inspector.find_setting = path;
+                if path.is_some() {
+                    self.dock.open(DockView::Thresholds);
+                }
             }
-            SettingsCommand::Found => self.state.inspector.find_setting = None,
         }
     }
 

@@ -43,7 +43,7 @@ impl Wanted for HistogramRequest {
 /// All histograms of the frame shown.
 pub(crate) fn histograms(request: &HistogramRequest) -> Message {
     let HistogramRequest { scene, inspection, scan, settings } = request;
-    let scan = scan.as_deref();
+    let scan = scan.as_deref().map(|scan| &**scan);
     let focal = inspection.samples.cameras.first().map_or(1.0, |camera| camera.intrinsics.fx as f32);
     let noise = MedianNoise::of(scan);
     let mut found: Vec<_> =

@@ -195,14 +195,14 @@ mod tests {
     #[test]
     fn markers_are_met_in_their_order_and_around_the_ends() {
         let mut timeline = Timeline::default();
-        assert_eq!(timeline.marker(true), None);
+        assert_eq!(timeline.marker(true), 0);
         for frame in [7, 2] {
             timeline.frame = frame;
             timeline.toggle_marker();
         }
         let met = |frame, forward| Timeline { frame, ..timeline.clone() }.marker(forward);
-        assert_eq!([met(2, true), met(7, true), met(4, true)], [Some(7), Some(2), Some(7)]);
-        assert_eq!([met(2, false), met(7, false), met(4, false)], [Some(7), Some(2), Some(2)]);
+        assert_eq!([met(2, true), met(7, true), met(4, true)], [7, 2, 7]);
+        assert_eq!([met(2, false), met(7, false), met(4, false)], [7, 2, 2]);
         timeline.toggle_marker();
         assert_eq!(timeline.markers.into_iter().collect::<Vec<_>>(), [7]);
     }

@@ -44,7 +44,7 @@ impl Wanted for MeasureRequest {
 /// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` without truth.
 pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {
     let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
-    let scan = request.scan.as_deref();
+    let scan = request.scan.as_deref().map(|scan| &**scan);
     let capture = scan.map_or(&**capture, PreparedScan::capture);
     let truth = views_as_taken(scan.and_then(PreparedScan::alignment), truth);
     let known: Vec<(&TruthView, usize)> = truth

@@ -1,7 +1,5 @@
 //! The values of the kept samples at a frame, in order, for their histogram.
 
-use std::sync::Arc;
-
 use crate::app::model::{Message, Same, State};
 use crate::app::rooms::colors::model::FrameValues;
 use crate::app::rooms::frame::model::DockView;

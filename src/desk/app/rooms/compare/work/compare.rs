@@ -8,7 +8,7 @@ use super::difference::DisplayedSide;
 use super::place::{
     Viewpoint, cameras_left, capture_of, corrected_by, corrected_capture, left_out, unknown_truth,
 };
-use crate::app::model::{Message, Same, State, method_of};
+use crate::app::model::{Message, State, method_of};
 use crate::app::rooms::charts::work::accuracy::with_nothing_pruned;
 use crate::app::rooms::compare::model::{
     CompareKey, CompareMeasure, CompareSide, CompareVantage, PictureDifference,
@@ -289,7 +289,7 @@ mod tests {
     use overlook_engine::settings::{MixedPixels, SpanLevels};
 
     use super::*;
-    use crate::app::model::{OpenScene, SceneSource};
+    use crate::app::model::{OpenScene, Same, SceneSource};
     use crate::app::rooms::compare::model::{CompareChoice, CompareLook};
     use crate::app::work::workers::pool;
     use overlook_engine::demo::{Demo, DemoSpec};

@@ -6,7 +6,6 @@ use crate::app::model::{Content, OpenScene};
 use crate::app::rooms::compare::model::{CompareKey, CompareVantage};
 use overlook_engine::capture::{Capture, Frame, TruthView};
 use overlook_engine::error::{Error, Result};
-use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::render::{Picture, Vantage};
 use overlook_engine::settings::AlignSettings;
 use overlook_lab::truth::ViewCorrections;

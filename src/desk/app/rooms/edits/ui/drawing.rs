@@ -234,7 +234,7 @@ pub(crate) fn drawn_areas(painter: &Painter, place: &PicturePlace, camera: &str,
 /// Shows what was drawn in the live view from where it looks now, until the picture has the marks themselves.
 pub(crate) fn fresh_areas(painter: &Painter, place: &PicturePlace, seen: &Camera, state: &State) {
     let Some(selection) = &state.doc.edits.selection else { return };
-    let shown = state.doc.live_shown.as_ref().map(|shown| &shown.key.samples);
+    let shown = state.doc.live_shown.as_ref().map(|shown| &shown.key.samples.0);
     let has_marks = |samples| state.edited_now().is_some_and(|edited| Arc::ptr_eq(&edited.shown, samples));
     if shown.is_some_and(has_marks) {
         return;

@@ -11,7 +11,7 @@ use crate::app::rooms::path::model::PathCommand;
 use crate::app::rooms::pixel::model::PixelCommand;
 use crate::app::rooms::readings::model::ReadingCommand;
 use crate::app::rooms::report::model::{Table, TableForm};
-use crate::app::rooms::settings::model::{PRESETS, SettingsCommand, setting_names};
+use crate::app::rooms::settings::model::{PRESETS, SettingsCommand, changed, setting_names};
 use crate::app::rooms::share::model::{FigureOf, ShareCommand};
 use crate::app::rooms::source::model::{SourceCommand, SourceLook};
 use crate::app::rooms::timeline::model::TimeCommand;
@@ -192,11 +192,10 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
     for (holes, name, _) in HoleDisplay::ALL {
         add(format!("Holes: {name}"), "H", Command::View(ViewCommand::Holes(holes)));
     }
-    for (index, (name, ..)) in PRESETS.iter().enumerate().filter(|_| turns) {
-        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::Preset(index)));
-    }
-    for (index, (name, _)) in state.inspector.presets.iter().enumerate().filter(|_| turns) {
-        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::OwnPreset(index)));
+    let own = state.inspector.presets.iter().cloned();
+    let presets = PRESETS.map(|(name, _, change)| (name.to_owned(), changed(change))).into_iter().chain(own);
+    for (name, settings) in presets.filter(|_| turns) {
+        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::Preset(Box::new(settings))));
     }
     for path in &state.recent {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
@@ -231,7 +230,7 @@ fn settings(turns: bool) -> Vec<PaletteEntry> {
     };
     for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
         let setting = setting_names::name(field.path);
-        add(format!("Setting: {setting}"), "", Command::Settings(SettingsCommand::Find(field.path)));
+        add(format!("Setting: {setting}"), "", Command::Settings(SettingsCommand::Find(Some(field.path))));
         let values: Vec<(String, toml::Value)> = match field.kind {
             ValueKind::Choice(names) => names
                 .iter()

@@ -261,6 +261,7 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::model::Same;
     use crate::app::rooms::live::model::ShownCameras;
     use glam::DVec3;
     use overlook_engine::capture::{Camera, Intrinsics};

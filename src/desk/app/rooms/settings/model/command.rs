@@ -1,5 +1,6 @@
 //! What concerns the settings.
 
+use super::presets::OwnPreset;
 use overlook_engine::settings::Settings;
 
 /// What concerns the settings.
@@ -11,21 +12,16 @@ pub(crate) enum SettingsCommand {
     },
     Reset(&'static str),
     ResetAll,
-    /// Take the settings of a built-in preset, by its index.
-    Preset(usize),
-    /// Take the settings of the person's own preset, by its index.
-    OwnPreset(usize),
+    /// Take the settings of a preset.
+    Preset(Box<Settings>),
     /// What a new preset is named so far; `None` closes the field.
     NamePreset(Option<String>),
-    SavePreset(String),
-    /// Forget the person's own preset of an index.
-    RemovePreset(usize),
+    /// Put other presets in the place of the person's own, and close the field.
+    OwnPresets(Vec<OwnPreset>),
     /// Switch to the other of settings A and B.
     Switch,
     /// Put these settings on.
     Take(Box<Settings>),
-    /// Show a setting in its panel, by its path.
-    Find(&'static str),
-    /// It is in view.
-    Found,
+    /// Show a setting in its panel, by its path; `None` once it is in view.
+    Find(Option<&'static str>),
 }

@@ -7,5 +7,5 @@ pub(crate) mod setting_names;
 
 pub(crate) use command::SettingsCommand;
 pub(crate) use histogram::{BARS, CUT, ThresholdAxis, ThresholdHistogram};
-pub(crate) use presets::{PRESETS, keep};
+pub(crate) use presets::{PRESETS, changed, keep};
 pub(crate) use setting_names::{SECTIONS, SettingPairs};

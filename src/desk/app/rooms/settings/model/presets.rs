@@ -50,6 +50,13 @@ pub(crate) const PRESETS: [Preset; 6] = [
     ),
 ];
 
+/// The defaults with a change.
+pub(crate) fn changed(change: fn(&mut Settings)) -> Settings {
+    let mut settings = Settings::default();
+    change(&mut settings);
+    settings
+}
+
 /// Settings that the person keeps, with their name.
 pub(crate) type OwnPreset = (String, Settings);
 

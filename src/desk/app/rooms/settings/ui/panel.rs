@@ -6,7 +6,7 @@ use egui_material_icons::icons::{ICON_DELETE, ICON_RESTART_ALT};
 use crate::app::control::gave_up_number;
 use crate::app::model::{Command, Commands, SettingsSlot, State};
 use crate::app::rooms::settings::model::{
-    CUT, PRESETS, SECTIONS, SettingPairs, SettingsCommand, setting_names,
+    CUT, PRESETS, SECTIONS, SettingPairs, SettingsCommand, changed, keep, setting_names,
 };
 use crate::app::rooms::settings::ui::histogram;
 use crate::app::rooms::settings::ui::undo_button::undo_button_ui;
@@ -124,7 +124,7 @@ fn field_ui(
                     egui::Stroke::new(1.5, Tokens::in_ui(ui).accent),
                     egui::StrokeKind::Outside,
                 );
-                commands.push(Command::Settings(SettingsCommand::Found));
+                commands.push(Command::Settings(SettingsCommand::Find(None)));
             }
             note(ui, field.unit).on_hover_text(field.help);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -247,22 +247,24 @@ fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let button = Button::new("Presets…").min_size(egui::vec2(ui.available_width() - space::MEDIUM, 0.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         ui.set_min_width(220.0);
-        for (index, (name, help, _)) in PRESETS.iter().enumerate() {
-            if ui.button(*name).on_hover_text(*help).clicked() {
-                commands.push(Command::Settings(SettingsCommand::Preset(index)));
+        for (name, help, change) in PRESETS {
+            if ui.button(name).on_hover_text(help).clicked() {
+                commands.push(Command::Settings(SettingsCommand::Preset(Box::new(changed(change)))));
             }
         }
         ui.separator();
         note(ui, "Custom");
-        for (index, (name, _)) in state.inspector.presets.iter().enumerate() {
+        for (index, (name, settings)) in state.inspector.presets.iter().enumerate() {
             ui.horizontal(|ui| {
                 if ui.button(name).clicked() {
-                    commands.push(Command::Settings(SettingsCommand::OwnPreset(index)));
+                    commands.push(Command::Settings(SettingsCommand::Preset(Box::new(settings.clone()))));
                     ui.close();
                 }
                 let forget = format!("Forget preset {name}");
                 if icon_button(ui, ICON_DELETE, &forget, &forget).clicked() {
-                    commands.push(Command::Settings(SettingsCommand::RemovePreset(index)));
+                    let mut own = state.inspector.presets.clone();
+                    own.remove(index);
+                    commands.push(Command::Settings(SettingsCommand::OwnPresets(own)));
                 }
             });
         }
@@ -292,9 +294,11 @@ pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Comma
         }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {
-            let keep = ui.add_enabled(named, Button::new("Save")).accessible_name("Save this preset");
-            if (keep.clicked() || entered) && named {
-                commands.push(Command::Settings(SettingsCommand::SavePreset(text)));
+            let button = ui.add_enabled(named, Button::new("Save")).accessible_name("Save this preset");
+            if (button.clicked() || entered) && named {
+                let mut own = state.inspector.presets.clone();
+                keep(&mut own, text.trim(), &state.shown_settings());
+                commands.push(Command::Settings(SettingsCommand::OwnPresets(own)));
             }
             if ui.button("Cancel").accessible_name("Cancel this preset").clicked() {
                 commands.push(Command::Settings(SettingsCommand::NamePreset(None)));
