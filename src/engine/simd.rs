@@ -8,10 +8,6 @@
 )]
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-
-use crate::error::{Error, Result};
-use crate::settings::Instructions;
 
 /// Values that a hot loop works on at once: as many as a row of a tile has, and as many `f32` as the widest vector holds.
 pub(crate) const LANES: usize = 16;
@@ -25,10 +21,8 @@ pub(crate) trait VectorLoop {
     fn run(self) -> Self::Output;
 }
 
-/// Sets of instructions, the narrowest first; a level is an index of them.
-const LEVELS: [Instructions; 3] = [Instructions::Portable, Instructions::Avx2, Instructions::Avx512];
-
-/// The level that hot loops may use at most. A loop that is running while it changes gives the same either way.
+/// The level that hot loops may use at most: 0 is what every processor of the target has, 1 is AVX2, 2 is AVX-512. Tests lower it; a loop
+/// that is running while it changes gives the same either way.
 static LIMIT: AtomicUsize = AtomicUsize::new(2);
 
 /// The widest level that this processor has.
@@ -54,38 +48,6 @@ fn best_level() -> usize {
 /// The level that hot loops use.
 fn level() -> usize {
     LIMIT.load(Ordering::Relaxed).min(best_level())
-}
-
-/// Does `work` while hot loops use no wider instructions than these. Callers wait for each other.
-///
-/// # Errors
-/// `Unsupported` where the processor lacks them.
-pub fn limited<T>(instructions: Instructions, work: impl FnOnce() -> Result<T>) -> Result<T> {
-    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
-    struct Reset;
-    impl Drop for Reset {
-        fn drop(&mut self) {
-            LIMIT.store(2, Ordering::Relaxed);
-        }
-    }
-    // `Auto` is none of the levels.
-    let limit = LEVELS.iter().position(|level| *level == instructions).unwrap_or_else(best_level);
-    if limit > best_level() {
-        return Err(Error::unsupported(
-            format!("instructions '{instructions}'"),
-            format!("this CPU goes up to '{}'", widest()),
-        ));
-    }
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-    LIMIT.store(limit, Ordering::Relaxed);
-    let _reset = Reset;
-    work()
-}
-
-/// The instructions that hot loops use; never `Auto`.
-#[must_use]
-pub fn widest() -> Instructions {
-    LEVELS[level()]
 }
 
 /// Does the work with the widest instructions that may be used.
@@ -161,10 +123,17 @@ fn avx512<W: VectorLoop>(work: W) -> W::Output {
     work.run()
 }
 
-/// The results of `work` with each set of instructions that the processor has, for tests that compare them.
+/// The results of `work` with each set of instructions that the processor has, for tests that compare them. Callers wait for each other.
 #[cfg(test)]
 pub(crate) fn at_every_level<T>(mut work: impl FnMut() -> T) -> Vec<T> {
-    let given: Vec<T> = LEVELS.into_iter().filter_map(|level| limited(level, || Ok(work())).ok()).collect();
+    static ONE_AT_A_TIME: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    // The last is the widest, which is what hot loops use afterwards.
+    let with_level = |level| {
+        LIMIT.store(level, Ordering::Relaxed);
+        work()
+    };
+    let given: Vec<T> = (0..=best_level()).map(with_level).collect();
     if given.len() == 1 {
         skip::skip(None, "no instruction sets were compared: this processor has one only");
     }
@@ -175,19 +144,3 @@ pub(crate) fn at_every_level<T>(mut work: impl FnMut() -> T) -> Vec<T> {
 #[cfg(test)]
 #[path = "../../tests/common/skip.rs"]
 pub(crate) mod skip;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn loops_use_no_wider_instructions_than_asked_for_and_the_widest_again_afterwards() {
-        for instructions in LEVELS {
-            match limited(instructions, || Ok(widest())) {
-                Ok(used) => assert_eq!(used, instructions),
-                Err(Error::Unsupported { .. }) => assert!(best_level() < 2),
-                Err(error) => panic!("{error}"),
-            }
-        }
-    }
-}

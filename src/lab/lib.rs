@@ -15,13 +15,11 @@
 //! | What breaks it? | [`stress`] | runs trials on a capture under a growing disturbance |
 //! | What is enough? | [`tune`] | finds the simplest setting, and the fewest views, that are good enough |
 //! | What does it look like? | [`chart`], [`report`] | draws sweeps and stress tests, and puts them on one page |
-//! | How fast is it? | [`mod@bench`] | measures the speed of each stage beside the limits of the machine |
 //!
 //! [`evaluate()`] scores one set of samples; [`compare()`] scores several ways to prune at the same views.
 
 #![warn(clippy::unwrap_used, clippy::expect_used)]
 
-pub mod bench;
 pub mod chart;
 pub mod metrics;
 pub mod report;

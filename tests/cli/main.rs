@@ -10,7 +10,6 @@ mod said;
 #[path = "../common/skip.rs"]
 mod skip;
 
-mod bench_command;
 mod cinema_command;
 mod commands;
 mod edit_command;

@@ -109,7 +109,6 @@ const STAGES: [(&str, &[&str]); 8] = [
         "lab",
         &[
             "rivals", "metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "report",
-            "bench",
         ],
     ),
     ("desk/app", &["model", "dock", "work", "control", "ui"]),

@@ -38,7 +38,6 @@ Examples:
   overlook export splats scene.ovl --format glb --out scene.glb     Gaussian splats that other viewers open, moving
   overlook export figure scene --overlay kept-by --out figure.pdf   a picture for print, with legend and scale bar
   overlook verify scene.ovl                                 whether all of a store can be read
-  overlook bench                                            speed of each stage beside the limits of this machine
 
 Exit codes: 0 success, 1 bad input (one line on stderr with the error, its place and the remedy), 2 bad usage, 130 stopped by Ctrl-C.";
 
@@ -98,8 +97,6 @@ enum CliCommand {
     Export(commands::export::ExportArgs),
     /// Read everything in a store and report damage.
     Verify(commands::verify::VerifyArgs),
-    /// Measure how fast each stage is, beside the limits of this machine.
-    Bench(commands::bench::BenchArgs),
     /// Print every setting with its meaning, unit, range and value, as TOML.
     Settings(commands::settings::SettingsCommandArgs),
 }
@@ -177,7 +174,6 @@ impl Cli {
             Some(CliCommand::Report(args)) => args.run(),
             Some(CliCommand::Export(args)) => args.run(),
             Some(CliCommand::Verify(args)) => args.run(),
-            Some(CliCommand::Bench(args)) => args.run(),
             Some(CliCommand::Settings(args)) => args.run(),
             None => explore(self.path, open_window),
         }
@@ -218,9 +214,9 @@ mod tests {
     fn threads_may_stand_before_and_after_a_command_and_a_path() {
         let read =
             |arguments: &str| Cli::read(format!("overlook {arguments}").split(' ').map(OsString::from));
-        for arguments in ["--threads 2 bench", "bench --threads 2", "--threads=2 bench --quick"] {
+        for arguments in ["--threads 2 settings", "settings --threads 2", "--threads=2 settings --json"] {
             let cli = read(arguments).unwrap();
-            assert!(matches!(cli.command, Some(CliCommand::Bench(_))) && cli.path.is_none(), "{arguments}");
+            assert!(matches!(cli.command, Some(CliCommand::Settings(_))) && cli.path.is_none(), "{arguments}");
             assert_eq!(cli.threads, Some(2), "{arguments}");
         }
         for arguments in
@@ -235,8 +231,8 @@ mod tests {
             assert!(cli.command.is_none() && cli.path == Some("scene".into()), "{arguments}");
             assert_eq!(cli.threads, Some(2), "{arguments}");
         }
-        assert_eq!(read("bench").unwrap().threads, None);
-        for arguments in ["scene bench", "scene --threads 2 bench", "--threads 2 scene info scene"] {
+        assert_eq!(read("settings").unwrap().threads, None);
+        for arguments in ["scene settings", "scene --threads 2 settings", "--threads 2 scene info scene"] {
             let refused = read(arguments).unwrap_err();
             assert_eq!(
                 (refused.kind(), refused.exit_code()),

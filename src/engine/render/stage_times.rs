@@ -62,15 +62,6 @@ impl StageTimes {
         }
     }
 
-    /// The mean, if these are the sums over `count` pictures.
-    #[must_use]
-    pub fn divided_by(mut self, count: f64) -> Self {
-        for stage in Stage::ALL {
-            *self.of(stage) /= count;
-        }
-        self
-    }
-
     /// The time of a stage.
     pub(super) fn of(&mut self, stage: Stage) -> &mut f64 {
         match stage {

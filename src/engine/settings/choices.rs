@@ -206,20 +206,6 @@ choice! {
 }
 
 choice! {
-    /// The widest vector instructions that hot loops may use. No setting: every choice gives the same bits.
-    pub enum Instructions {
-        /// The widest that the CPU has.
-        Auto = "auto",
-        /// AVX-512 with byte, word, doubleword and shorter vectors.
-        Avx512 = "avx512",
-        /// AVX2 and what comes with it.
-        Avx2 = "avx2",
-        /// What every CPU of the target has.
-        Portable = "portable",
-    }
-}
-
-choice! {
     /// Which colors stand for scalar values.
     pub enum Colormap {
         /// From dark violet over green to yellow: perceptually uniform, safe for the color-blind.

@@ -17,7 +17,7 @@ mod other_version;
 mod section;
 
 pub use choices::{
-    AgreementRule, Antialias, Backend, Coarse, Coding, Colormap, Correction, Fill, Instructions, Kernel,
+    AgreementRule, Antialias, Backend, Coarse, Coding, Colormap, Correction, Fill, Kernel,
     Magnified, MixedPixels, NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
     ValueScale,
 };

@@ -1,7 +1,6 @@
 //! One file per subcommand.
 
 pub(super) mod align;
-pub(super) mod bench;
 pub(super) mod demo;
 pub(super) mod edit;
 pub(super) mod evaluate;

@@ -15,7 +15,6 @@
 mod average;
 mod commands;
 mod context;
-mod copy;
 mod display;
 mod finish;
 mod layout;
@@ -28,7 +27,6 @@ mod target;
 mod upload;
 
 pub use context::{AdapterChoice, SharedDevice, device_descriptor};
-pub use copy::GpuCopy;
 pub use display::{HolePattern, ScreenTexture};
 
 use std::ops::Range;
