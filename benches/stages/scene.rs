@@ -49,7 +49,8 @@ const ALL_FRAMES: Span = Span { start: 0, end: FRAMES as u32 };
 pub(crate) static MEASURED: LazyLock<Scene> = LazyLock::new(|| Scene::new().unwrap());
 
 /// As [`ANIMATIONS`].
-static ANIMATED: LazyLock<[Animation; 2]> = LazyLock::new(|| ANIMATIONS.map(|name| Animation::of(name).unwrap()));
+static ANIMATED: LazyLock<[Animation; 2]> =
+    LazyLock::new(|| ANIMATIONS.map(|name| Animation::of(name).unwrap()));
 
 /// The default settings of rendering without filling of holes, which takes the same time after every kernel.
 pub(crate) fn without_filling() -> RenderSettings {

@@ -159,7 +159,6 @@ fn every_stage_works_or_says_in_one_line_why_not() {
         &["export", "page", "scene.ovl", "--out", "page.html"],
         "a page draws cameras in perspective alone",
     );
-    refused(&["export", "miv", "capture", "--out", "miv"], "knows cameras in perspective alone");
     refused(
         &["place", "capture", "--cameras", "3", "--out", "placed.json"],
         "cameras are placed by coarse captures",

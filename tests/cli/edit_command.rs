@@ -161,12 +161,11 @@ fn every_command_that_makes_something_of_a_store_or_of_recorded_pictures_obeys_a
     };
     assert_eq!(again("all.ovl", "a.ovl", &["--edits", "clean.toml"]), again("clean.ovl", "b.ovl", &[]));
 
-    let of_capture: [&[&str]; 3] = [
-        &["export", "miv", "scene", "--name", "s", "--out"],
+    let of_capture: [&[&str]; 2] = [
         &["export", "figure", "scene", "--overlay", "depth", "--no-legend", "--out"],
         &["place", "scene", "--cameras", "2", "--out"],
     ];
-    for (arguments, name) in of_capture.into_iter().zip(["miv", "depth.png", "placed.json"]) {
+    for (arguments, name) in of_capture.into_iter().zip(["depth.png", "placed.json"]) {
         let with = |name: &str, edits: &[&str]| {
             std::fs::create_dir_all(folder.join(name).parent().unwrap()).unwrap();
             overlook(folder, &[arguments, &[name], edits].concat()).output().unwrap()

@@ -107,9 +107,7 @@ const STAGES: [(&str, &[&str]); 8] = [
     ("engine/store", &["container", "codec", "image", "file", "playback"]),
     (
         "lab",
-        &[
-            "rivals", "metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "report",
-        ],
+        &["rivals", "metrics", "scoring", "truth", "trial", "sweep", "stress", "tune", "chart", "report"],
     ),
     ("desk/app", &["model", "dock", "work", "control", "ui"]),
     ("desk/cli", &["output", "input", "commands"]),

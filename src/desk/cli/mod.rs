@@ -216,7 +216,10 @@ mod tests {
             |arguments: &str| Cli::read(format!("overlook {arguments}").split(' ').map(OsString::from));
         for arguments in ["--threads 2 settings", "settings --threads 2", "--threads=2 settings --json"] {
             let cli = read(arguments).unwrap();
-            assert!(matches!(cli.command, Some(CliCommand::Settings(_))) && cli.path.is_none(), "{arguments}");
+            assert!(
+                matches!(cli.command, Some(CliCommand::Settings(_))) && cli.path.is_none(),
+                "{arguments}"
+            );
             assert_eq!(cli.threads, Some(2), "{arguments}");
         }
         for arguments in

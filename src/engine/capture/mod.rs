@@ -20,7 +20,7 @@ pub mod exr;
 mod frame;
 mod frame_cache;
 mod intrinsics;
-pub mod miv;
+mod miv;
 mod open;
 pub mod overlap;
 mod parts;

@@ -17,9 +17,8 @@ mod other_version;
 mod section;
 
 pub use choices::{
-    AgreementRule, Antialias, Backend, Coarse, Coding, Colormap, Correction, Fill, Kernel,
-    Magnified, MixedPixels, NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels,
-    ValueScale,
+    AgreementRule, Antialias, Backend, Coarse, Coding, Colormap, Correction, Fill, Kernel, Magnified,
+    MixedPixels, NormalEstimator, NormalSource, Precision, PruningMethod, RateModel, SpanLevels, ValueScale,
 };
 pub use section::{Field, ValueKind};
 

@@ -3,7 +3,6 @@
 mod cinema;
 mod figure;
 mod frame_files;
-mod miv;
 mod page;
 mod path;
 mod pictures;
@@ -35,8 +34,6 @@ enum ExportKind {
     Figure(Box<figure::FigureArgs>),
     /// Pictures from many angles as an image database, which Cinema's viewers open: PNG, depth as EXR, and a table.
     Cinema(cinema::CinemaArgs),
-    /// A capture as MPEG immersive video, which TMIV and RVS read: cameras as JSON, texture and depth as raw video.
-    Miv(miv::MivArgs),
     /// One HTML file that plays the scene from any viewpoint, in any browser and offline.
     Page(page::PageArgs),
     /// Samples as Gaussian splats, in formats that other viewers open: PLY, SPZ, glTF, USD.
@@ -53,7 +50,6 @@ impl ExportArgs {
             ExportKind::Video(args) => args.run(),
             ExportKind::Figure(args) => args.run(),
             ExportKind::Cinema(args) => args.run(),
-            ExportKind::Miv(args) => args.run(),
             ExportKind::Page(args) => args.run(),
             ExportKind::Splats(args) => args.run(),
             ExportKind::Store(args) => args.run(),

@@ -1,14 +1,133 @@
-//! Pictures in a raw video file.
+//! Raw planar video (`.yuv`): pictures one after the other, without a header.
+//!
+//! Size and format are in the file's name or in the manifest. Planes follow each other: all of luma, then, halved both ways, U and V.
+//! Samples of more than 8 bits are little-endian 16-bit words, low-aligned.
+//!
+//! Source of colors: ITU-R BT.601 and BT.709. RVS, MPEG's reference view synthesizer, takes Y′CbCr for BT.601 over the full range of
+//! numbers, as `OpenCV` does; cameras and broadcasters write BT.709 over a limited range. The manifest's `yuv_color` decides.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::color::ColorMatrix;
-use super::format::PixelFormat;
-use crate::capture::depth_claim::DepthPlanes;
-use crate::color::{linear_from_srgb, srgb_from_linear};
+use super::depth_claim::DepthPlanes;
+use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
+
+/// Weights and range of Y′CbCr.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ColorMatrix {
+    /// Weights of red and blue in luma.
+    red: f32,
+    blue: f32,
+    /// Whether numbers run from 16/255 to 235/255 (240/255 for color).
+    is_limited: bool,
+}
+
+impl Default for ColorMatrix {
+    /// That of RVS.
+    fn default() -> Self {
+        Self { red: 0.299, blue: 0.114, is_limited: false }
+    }
+}
+
+impl ColorMatrix {
+    /// Names that the manifest knows.
+    pub(crate) const NAMES: &str = "bt601_full, bt601_limited, bt709_full, bt709_limited";
+
+    /// The matrix by its name in the manifest.
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        let (weights, range) = name.split_once('_')?;
+        let (red, blue) = match weights {
+            "bt601" => (0.299, 0.114),
+            "bt709" => (0.2126, 0.0722),
+            _ => return None,
+        };
+        let is_limited = match range {
+            "full" => false,
+            "limited" => true,
+            _ => return None,
+        };
+        Some(Self { red, blue, is_limited })
+    }
+
+    /// Encoded red, green and blue of luma and color, all 0 to 1, color 0.5 for gray.
+    pub(crate) fn rgb(self, [y, u, v]: [f32; 3]) -> [f32; 3] {
+        let (y, u, v) = if self.is_limited {
+            ((y * 255.0 - 16.0) / 219.0, (u * 255.0 - 128.0) / 224.0, (v * 255.0 - 128.0) / 224.0)
+        } else {
+            (y, u - 0.5, v - 0.5)
+        };
+        let red = y + 2.0 * (1.0 - self.red) * v;
+        let blue = y + 2.0 * (1.0 - self.blue) * u;
+        let green = (y - self.red * red - self.blue * blue) / (1.0 - self.red - self.blue);
+        [red, green, blue].map(|value| value.clamp(0.0, 1.0))
+    }
+}
+
+/// The layout of a picture's samples in a raw video file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PixelFormat {
+    /// Bits of a sample: 8 to 16.
+    pub bits: u32,
+    /// Whether two planes of color at half the columns and rows follow luma (4:2:0); else there is luma alone.
+    pub has_chroma: bool,
+}
+
+impl PixelFormat {
+    /// The format by ffmpeg's name: `yuv420p`, `yuv420p10le`, `gray`, `gray16le` … and MPEG's `yuv400p16le`.
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        let (rest, has_chroma) = ["yuv420p", "yuv400p", "gray"]
+            .iter()
+            .find_map(|start| Some((name.strip_prefix(start)?, *start == "yuv420p")))?;
+        let bits = match rest {
+            "" => 8,
+            _ => rest.strip_suffix("le")?.parse().ok().filter(|bits| (9..=16).contains(bits))?,
+        };
+        Some(Self { bits, has_chroma })
+    }
+
+    /// ffmpeg's name.
+    pub(crate) fn name(self) -> String {
+        let start = if self.has_chroma { "yuv420p" } else { "gray" };
+        if self.bits == 8 { start.to_owned() } else { format!("{start}{}le", self.bits) }
+    }
+
+    /// The largest sample.
+    pub(crate) fn largest(self) -> u16 {
+        ((1_u32 << self.bits) - 1) as u16
+    }
+
+    /// Bytes of a sample.
+    pub(crate) fn sample_bytes(self) -> usize {
+        if self.bits > 8 { 2 } else { 1 }
+    }
+
+    /// Columns and rows of a plane of color.
+    pub(crate) fn chroma_size(size: (usize, usize)) -> (usize, usize) {
+        (size.0.div_ceil(2), size.1.div_ceil(2))
+    }
+
+    /// Bytes of a picture.
+    pub(crate) fn picture_bytes(self, size: (usize, usize)) -> u64 {
+        let (columns, rows) = Self::chroma_size(size);
+        let chroma = if self.has_chroma { 2 * columns * rows } else { 0 };
+        (size.0 * size.1 + chroma) as u64 * self.sample_bytes() as u64
+    }
+
+    /// A format that the manifest's `key` names.
+    ///
+    /// # Errors
+    /// `Unsupported` for one that is not read.
+    pub(crate) fn of_key(key: &str, name: &str, place: &str) -> Result<Self> {
+        Self::from_name(name).ok_or_else(|| {
+            let what = format!(
+                "{key} '{name}' is not read; there are yuv420p and gray, with 9 to 16 bits as in yuv420p10le"
+            );
+            Error::unsupported(place, what)
+        })
+    }
+}
 
 /// A file of raw video. One picture at a time is read.
 pub(crate) struct YuvFile<'a> {
@@ -74,17 +193,6 @@ impl LevelRange {
     /// Half a step, a share of the range, as inverse depth.
     pub(crate) fn half_step_of(&self, step: f32) -> f32 {
         (0.5 * (self.near.recip() - self.far.recip()) * f64::from(step)) as f32
-    }
-
-    /// The level of an inverse depth of 0 or more; `None` where it is negative: that is no depth.
-    pub(crate) fn level(&self, inverse_depth: f32, largest: u16) -> u16 {
-        if inverse_depth < 0.0 {
-            return 0;
-        }
-        let (near, far) = (self.near.recip(), self.far.recip());
-        let share = (f64::from(inverse_depth) - far) / (near - far);
-        let lowest = u16::from(self.zero_is_unknown);
-        ((share * f64::from(largest)).round().clamp(0.0, f64::from(largest)) as u16).max(lowest)
     }
 }
 
@@ -201,76 +309,70 @@ fn interpolated(plane: &[u16], size: (usize, usize), x: usize, y: usize) -> f32 
     0.75 * along(y) + 0.25 * along(beside_y)
 }
 
-/// The bytes of a picture of linear color, row-major; columns and rows are even.
-pub(crate) fn encode_color(
-    color: &[[half::f16; 3]],
-    size: (usize, usize),
-    format: PixelFormat,
-    matrix: ColorMatrix,
-) -> Vec<u8> {
-    let (width, height) = size;
-    let encoded = |pixel: &[half::f16; 3]| {
-        matrix.yuv(pixel.map(|value| srgb_from_linear(value.to_f32().clamp(0.0, 1.0))))
-    };
-    let yuv: Vec<[f32; 3]> = color.iter().map(encoded).collect();
-    let full = f32::from(format.largest());
-    let level = |value: f32| (value * full).round().clamp(0.0, full) as u16;
-    let mut samples: Vec<u16> = yuv.iter().map(|yuv| level(yuv[0])).collect();
-    for channel in [1, 2] {
-        for y in (0..height).step_by(2) {
-            for x in (0..width).step_by(2) {
-                let block = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
-                let sum: f32 = block.iter().map(|(x, y)| yuv[y * width + x][channel]).sum();
-                samples.push(level(sum / 4.0));
-            }
-        }
-    }
-    bytes(&samples, format)
-}
-
-/// The bytes of a picture of levels without color.
-pub(crate) fn encode_levels(mut levels: Vec<u16>, size: (usize, usize), format: PixelFormat) -> Vec<u8> {
-    if format.has_chroma {
-        let (columns, rows) = PixelFormat::chroma_size(size);
-        let middle = 1_u32 << (format.bits - 1);
-        levels.resize(levels.len() + 2 * columns * rows, middle as u16);
-    }
-    bytes(&levels, format)
-}
-
-fn bytes(samples: &[u16], format: PixelFormat) -> Vec<u8> {
-    if format.sample_bytes() == 1 {
-        samples.iter().map(|sample| *sample as u8).collect()
-    } else {
-        samples.iter().flat_map(|sample| sample.to_le_bytes()).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use half::f16;
-
-    const FORMAT: PixelFormat = PixelFormat { bits: 10, has_chroma: true };
 
     #[test]
-    fn a_smooth_picture_comes_back() {
-        let (width, height) = (8, 6);
-        let pixel = |index: usize| {
-            let (x, y) = ((index % width) as f32, (index / width) as f32);
-            // Color is halved in both directions: it must change little from pixel to pixel.
-            [0.1 + 0.01 * x, 0.4 + 0.01 * y, 0.3].map(f16::from_f32)
-        };
-        let color: Vec<[f16; 3]> = (0..width * height).map(pixel).collect();
+    fn every_matrix_gives_white_black_and_gray_without_color() {
+        for name in ColorMatrix::NAMES.split(", ") {
+            let matrix = ColorMatrix::from_name(name).unwrap();
+            let luma = |value: f32| if matrix.is_limited { (value * 219.0 + 16.0) / 255.0 } else { value };
+            let middle = if matrix.is_limited { 128.0 / 255.0 } else { 0.5 };
+            for value in [0.0, 0.4, 1.0] {
+                let rgb = matrix.rgb([luma(value), middle, middle]);
+                assert!(rgb.iter().all(|found| (found - value).abs() < 1e-5), "{name} {value} {rgb:?}");
+            }
+        }
+        assert_eq!(ColorMatrix::from_name("bt601_full"), Some(ColorMatrix::default()));
+        assert!(ColorMatrix::from_name("bt2020_full").is_none() && ColorMatrix::from_name("bt601").is_none());
+    }
+
+    #[test]
+    fn the_weights_are_the_published_ones() {
+        // BT.601: R = Y + 1.402 Cr, B = Y + 1.772 Cb, G = Y − 0.344136 Cb − 0.714136 Cr.
+        let rgb = ColorMatrix::default().rgb([0.5, 0.6, 0.4]);
+        for (value, expected) in rgb.iter().zip([0.5 - 0.1402, 0.5 - 0.034_413_6 + 0.071_413_6, 0.5 + 0.1772])
+        {
+            assert!((value - expected).abs() < 1e-5, "{rgb:?}");
+        }
+    }
+
+    #[test]
+    fn formats_have_the_names_of_ffmpeg_and_the_sizes_of_their_planes() {
+        for (name, bits, has_chroma, bytes) in [
+            ("yuv420p", 8, true, 24),
+            ("yuv420p10le", 10, true, 48),
+            ("yuv420p16le", 16, true, 48),
+            ("gray", 8, false, 16),
+            ("yuv400p16le", 16, false, 32),
+        ] {
+            let format = PixelFormat::from_name(name).unwrap();
+            assert_eq!(format, PixelFormat { bits, has_chroma }, "{name}");
+            assert_eq!(format.picture_bytes((4, 4)), bytes, "{name}");
+            assert_eq!(PixelFormat::from_name(&format.name()), Some(format));
+        }
+        for name in ["yuv422p", "yuv420p7le", "yuv420p10be", "yuv420p17le", "nv12", ""] {
+            assert_eq!(PixelFormat::from_name(name), None, "{name}");
+        }
+    }
+
+    /// The samples of a picture of 8×6 pixels are written as the format says: luma, then U and V of blocks of 2×2 pixels.
+    #[test]
+    fn the_second_picture_of_a_file_has_its_colors() {
+        let format = PixelFormat { bits: 10, has_chroma: true };
+        let luma = (0..48).map(|index| 400 + 10 * (index % 8));
+        let samples: Vec<u16> = luma.chain([600; 12]).chain([450; 12]).collect();
+        let one: Vec<u8> = samples.iter().flat_map(|sample| sample.to_le_bytes()).collect();
         let file = tempfile::NamedTempFile::new().unwrap();
-        let one = encode_color(&color, (width, height), FORMAT, ColorMatrix::default());
-        std::fs::write(file.path(), [one.clone(), one].concat()).unwrap();
-        let yuv = YuvFile::new(file.path(), "test", FORMAT, (width, height));
+        std::fs::write(file.path(), [vec![9; one.len()], one].concat()).unwrap();
+        let yuv = YuvFile::new(file.path(), "test", format, (8, 6));
         let read = yuv.color(1, ColorMatrix::default()).unwrap();
-        for (index, pixel) in color.iter().enumerate() {
-            for channel in 0..3 {
-                let off = srgb_from_linear(read[channel][index]) - srgb_from_linear(pixel[channel].to_f32());
-                assert!(off.abs() < 0.02, "{index} {channel}: {off}");
+        for index in 0..48 {
+            let expected =
+                ColorMatrix::default().rgb([f32::from(samples[index]), 600.0, 450.0].map(|it| it / 1023.0));
+            for (plane, expected) in read.iter().zip(expected) {
+                assert!((plane[index] - linear_from_srgb(expected)).abs() < 1e-6, "{index}");
             }
         }
         let error = yuv.color(2, ColorMatrix::default()).unwrap_err().to_string();
@@ -284,21 +386,14 @@ mod tests {
         for (level, depth) in [(32_768.0, 0.506_245), (65_535.0, 0.3), (0.0, 1.62)] {
             assert!((range.depth(level, 65_535.0) - depth).abs() < 1e-6, "{level}");
         }
-        for level in [0, 1, 777, 65_535] {
-            let inverse = range.depth(f32::from(level), 65_535.0).recip();
-            assert_eq!(range.level(inverse, 65_535), level);
-        }
     }
 
     #[test]
     fn what_has_no_depth_and_what_is_at_infinity_stay_apart() {
         let range =
             LevelRange { near: 0.5, far: f64::INFINITY, order: LevelOrder::FromFar, zero_is_unknown: true };
-        assert_eq!(range.level(-1.0, 65_535), 0);
-        assert_eq!(range.level(0.0, 65_535), 1);
         assert!(range.depth(0.0, 65_535.0).is_nan());
         let open = LevelRange { zero_is_unknown: false, ..range };
-        assert_eq!(open.level(0.0, 65_535), 0);
         assert_eq!(open.depth(0.0, 65_535.0), f32::INFINITY);
     }
 

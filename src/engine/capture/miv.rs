@@ -1,40 +1,36 @@
-//! The JSON file of a sequence.
+//! MPEG immersive video: sequences as TMIV and RVS read them, a JSON file of cameras beside raw video of texture and depth.
+//!
+//! Source: TMIV's `SequenceConfig` and `ViewParamsList`, RVS's `Parameters`. World and camera have x forward, y left, z up; poses are
+//! camera to world, turned by yaw about z, pitch about y and roll about x: `R = Rz(yaw) · Ry(pitch) · Rx(roll)`. Pixel centers lie at
+//! +0.5. Depth is planar (x) for perspective cameras: `1/z = 1/far + level/largest · (1/near − 1/far)`.
 
 use glam::{DAffine3, DMat3, DVec3};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::capture::camera::{Intrinsics, Projection};
 use crate::error::{Error, Result};
 
 /// The keys of a sequence that decide what its pictures mean; others are passed over.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(crate) struct SequenceFile {
-    #[serde(rename = "Version")]
-    pub version: Value,
     #[serde(rename = "Content_name")]
     pub content_name: String,
-    #[serde(rename = "BoundingBox_center")]
-    pub bounding_box_center: Vec<f64>,
     /// Added to every position: programs that read single precision keep the shape of a scene that stands far from the origin.
-    #[serde(rename = "Overlook_world_offset", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "Overlook_world_offset")]
     pub world_offset: Option<[f64; 3]>,
-    #[serde(rename = "Fps")]
-    pub fps: f64,
     #[serde(rename = "Frames_number")]
     pub frames_number: u64,
-    #[serde(rename = "lengthsInMeters", skip_serializing_if = "Option::is_none")]
-    pub lengths_in_meters: Option<bool>,
-    #[serde(rename = "sourceCameraNames", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "sourceCameraNames")]
     pub source_camera_names: Option<Vec<String>>,
-    #[serde(rename = "frameRanges", skip_serializing_if = "Vec::is_empty")]
+    #[serde(rename = "frameRanges")]
     pub frame_ranges: Vec<FrameRange>,
     pub cameras: Vec<SequenceCamera>,
 }
 
 /// Frames of the raw video that belong to the sequence.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 pub(crate) struct FrameRange {
     #[serde(rename = "maxNumberOfFrames")]
     pub max_number_of_frames: u64,
@@ -43,7 +39,7 @@ pub(crate) struct FrameRange {
 }
 
 /// One camera of a sequence.
-#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(crate) struct SequenceCamera {
     #[serde(rename = "Name")]
@@ -73,12 +69,8 @@ pub(crate) struct SequenceCamera {
     #[serde(rename = "DepthColorSpace")]
     pub depth_color_space: String,
     /// RVS takes true where it is missing, TMIV false.
-    #[serde(rename = "HasInvalidDepth", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "HasInvalidDepth")]
     pub has_invalid_depth: Option<bool>,
-    #[serde(rename = "Depthmap", skip_serializing_if = "Option::is_none")]
-    pub depthmap: Option<u32>,
-    #[serde(rename = "Background", skip_serializing_if = "Option::is_none")]
-    pub background: Option<u32>,
 }
 
 /// RVS takes a far plane from here on for infinity.
@@ -134,19 +126,6 @@ pub(crate) fn pose(camera: &SequenceCamera, offset: Option<[f64; 3]>, place: &st
     Ok(DAffine3::from_mat3_translation(turned * sequence_from_camera(), eye))
 }
 
-/// Yaw, pitch and roll of a pose, degrees.
-pub(super) fn rotation(world_from_camera: &DAffine3) -> [f64; 3] {
-    let matrix = world_from_camera.matrix3 * sequence_from_camera().transpose();
-    let pitch = (-matrix.x_axis.z).clamp(-1.0, 1.0).asin();
-    let (yaw, roll) = if matrix.x_axis.z.abs() > 1.0 - 1e-12 {
-        // Straight up or down, yaw and roll turn about the same axis.
-        ((-matrix.y_axis.x).atan2(matrix.y_axis.y), 0.0)
-    } else {
-        (matrix.x_axis.y.atan2(matrix.x_axis.x), matrix.y_axis.z.atan2(matrix.z_axis.z))
-    };
-    [yaw, pitch, roll].map(f64::to_degrees)
-}
-
 /// Size and lens of a perspective camera.
 ///
 /// # Errors
@@ -178,16 +157,6 @@ mod tests {
         assert!(at_rest.transform_vector3(DVec3::Z).abs_diff_eq(DVec3::X, 1e-12));
         assert!(at_rest.transform_vector3(DVec3::X).abs_diff_eq(DVec3::NEG_Y, 1e-12));
         assert!(at_rest.transform_vector3(DVec3::Y).abs_diff_eq(DVec3::NEG_Z, 1e-12));
-    }
-
-    #[test]
-    fn angles_give_the_pose_again_straight_up_too() {
-        for rotation in [[10.0, 20.0, 30.0], [-170.0, -60.0, 175.0], [33.0, 90.0, 0.0], [0.0, -90.0, 0.0]] {
-            let camera = SequenceCamera { rotation, ..SequenceCamera::default() };
-            let first = pose(&camera, None, "").unwrap();
-            let again = SequenceCamera { rotation: super::rotation(&first), ..camera };
-            assert!(pose(&again, None, "").unwrap().abs_diff_eq(first, 1e-7), "{rotation:?} {again:?}");
-        }
     }
 
     #[test]
