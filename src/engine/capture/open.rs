@@ -4,7 +4,6 @@ use std::path::{Component, Path, PathBuf};
 
 use super::parts::Capture;
 use super::readers::{self, Description, ReadSource, SaidBy};
-use super::recording::ViewChoice;
 use super::transforms::{PictureEntry, capture_of};
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
@@ -62,8 +61,7 @@ impl Source {
         Ok(self)
     }
 
-    /// Opens it. Every file is looked for, and the first one of each camera has its header read; pictures are decoded on demand,
-    /// but for those that views are chosen by.
+    /// Opens it. Every file is looked for, and the first one of each camera has its header read; pictures are decoded on demand.
     ///
     /// # Errors
     /// `Io`, `Invalid`, `Unsupported`: what, where, what to do.
@@ -73,8 +71,8 @@ impl Source {
         if most == 0 || most >= capture.cameras.len() {
             return Ok(capture);
         }
-        let choice = ViewChoice::of(&capture, most)?;
-        Ok(capture.with_cameras(|index, _| choice.has(index)))
+        let read: Vec<usize> = (0..most).map(|nth| nth * capture.cameras.len() / most).collect();
+        Ok(capture.with_cameras(|index, _| read.binary_search(&index).is_ok()))
     }
 
     /// The usual path for [`Source::write_manifest`]: a `transforms.json` in the capture's folder.

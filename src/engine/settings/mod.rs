@@ -36,8 +36,7 @@ section! {
         /// Memory for decoded frames that may be needed again, and for what preprocessing holds of all cameras. Where that takes more,
         /// it is worked on part by part, with temporary files, and the results are the same.
         memory: u32 = 1024, "MiB", ValueKind::Integer { min: 16, max: 65536 };
-        /// The largest number of views that are read. Those that together show the most are chosen: many views of a moving camera
-        /// repeat others. 0 reads all.
+        /// The largest number of views that are read, spread evenly over all: many views of a moving camera repeat others. 0 reads all.
         views: u32 = 0, "views", ValueKind::Integer { min: 0, max: 4096 };
     }
 }

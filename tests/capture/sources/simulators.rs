@@ -110,10 +110,9 @@ fn kubric_measures_along_rays() {
 }
 
 #[test]
-fn the_fewest_views_that_show_everything_are_chosen() {
+fn as_many_views_are_read_as_are_asked_for_spread_evenly_over_all() {
     let folder = Folder::new();
     let (mut positions, mut quaternions) = (Vec::new(), Vec::new());
-    // The first view is repeated five times before the others come.
     for (index, step) in [0, 0, 0, 0, 0, 2, 4].into_iter().enumerate() {
         let camera = scene::camera(step, CENTERED);
         folder.put(&format!("rgba_{index:05}.png"), &color(&camera, ImageFormat::Png));
@@ -135,8 +134,6 @@ fn the_fewest_views_that_show_everything_are_chosen() {
         }
         capture.cameras.iter().map(|camera| camera.name.clone()).collect()
     };
-    assert_eq!(names(0).len(), 7);
-    assert_eq!(names(3), ["rgba_00000", "rgba_00005", "rgba_00006"]);
-    assert_eq!(names(6), names(3), "what repeats is left out");
-    assert_eq!(names(2).len(), 2);
+    assert_eq!((names(0).len(), names(9).len()), (7, 7));
+    assert_eq!(names(3), ["rgba_00000", "rgba_00002", "rgba_00004"]);
 }

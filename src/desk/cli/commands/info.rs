@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::cli::output::{self, CommandError, Sizes};
 use overlook_engine::capture::conventions::{self, Finding};
-use overlook_engine::capture::{Camera, Capture, Description, Source, ValueChannel, ViewChoice};
+use overlook_engine::capture::{Camera, Capture, Description, Source, ValueChannel};
 use overlook_engine::error::Error;
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::Report;
@@ -23,9 +23,6 @@ pub(crate) struct InfoArgs {
     #[arg(long, value_name = "FILE")]
     #[expect(clippy::option_option, reason = "without, with, and with a file")]
     write_manifest: Option<Option<PathBuf>>,
-    /// Choose this many views of a moving camera that together show the most, and print what each adds.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    views: Option<u32>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -48,12 +45,6 @@ struct Info {
     frames: usize,
     #[serde(flatten)]
     contents: Contents,
-}
-
-#[derive(Serialize)]
-struct ChosenView {
-    camera: String,
-    share_shown: f64,
 }
 
 /// A channel of scalar values.
@@ -112,9 +103,6 @@ enum Contents {
         #[serde(skip_serializing_if = "Option::is_none")]
         transparent: Option<f64>,
         warnings: Vec<String>,
-        /// Chosen views in their order, each with the share of the surface that the views up to it show.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        chosen: Option<Vec<ChosenView>>,
         /// The finding about the reading of poses and depth, from the agreement between views.
         conventions: ConventionInfo,
     },
@@ -151,12 +139,7 @@ impl InfoArgs {
 impl InfoArgs {
     fn of_capture(&self) -> Result<Info, CommandError> {
         let source = Source::find(&self.path)?;
-        let mut capture = source.open(&CaptureSettings::default())?;
-        let choice = self.views.map(|most| ViewChoice::of(&capture, most as usize)).transpose()?;
-        let chosen = choice.as_ref().map(|choice| chosen_views(choice, &capture));
-        if let Some(choice) = choice {
-            capture = capture.with_cameras(|index, _| choice.has(index));
-        }
+        let capture = source.open(&CaptureSettings::default())?;
         if let Some(file) = &self.write_manifest {
             let file = file.clone().unwrap_or_else(|| source.manifest_path());
             source.write_manifest(&file)?;
@@ -174,19 +157,10 @@ impl InfoArgs {
                 reading: Box::new(source.description().clone()),
                 transparent: capture.transparent_share()?,
                 warnings: capture.warnings.clone(),
-                chosen,
                 conventions: ConventionInfo::of(&capture),
             },
         })
     }
-}
-
-fn chosen_views(choice: &ViewChoice, capture: &Capture) -> Vec<ChosenView> {
-    let view = |&(index, share_shown): &(usize, f64)| {
-        let camera = capture.cameras[index].name.clone();
-        ChosenView { camera, share_shown }
-    };
-    choice.chosen.iter().map(view).collect()
 }
 
 fn camera_infos(cameras: &[Camera]) -> Vec<CameraInfo> {
@@ -240,15 +214,6 @@ impl Info {
         let mut text = format!("{} '{}': {}\n", self.kind, self.name, counted(self.frames, "frame"));
         for camera in &self.cameras {
             let _ = writeln!(text, "  camera {:<16} {}×{}", camera.name, camera.width, camera.height);
-        }
-        if let Contents::Capture { chosen: Some(chosen), .. } = &self.contents {
-            for ChosenView { camera, share_shown } in chosen {
-                let _ = writeln!(
-                    text,
-                    "  with view {camera}: {:.1} % of what all views show",
-                    100.0 * share_shown
-                );
-            }
         }
         if let Contents::Capture { reading, transparent, .. } = &self.contents {
             for line in reading.lines() {

@@ -6,7 +6,7 @@ use super::posed_folder::{Found, PosedFolder};
 use super::reader::Description;
 use super::text::TextFile;
 use super::views::{entry, pose_of_quaternion};
-use crate::capture::recording::{Trajectory, nearest};
+use crate::capture::trajectory::{Trajectory, nearest};
 use crate::capture::transforms::LensKeys;
 use crate::error::{Error, Result};
 

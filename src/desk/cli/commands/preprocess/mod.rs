@@ -43,9 +43,6 @@ pub(crate) struct PreprocessArgs {
     /// as pixels without depth before pruning, so that no other pixel brings it back.
     #[arg(long, value_name = "FILE")]
     edits: Option<PathBuf>,
-    /// Read at most this many views: those that together show the most [default: as in the settings].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    views: Option<u32>,
     /// Do one stage of the work, cut by runs of frames for several machines. In this order: `measure`; each `--part` of `scan`, then
     /// its `--join`; each `--part` of `prune`, then its `--join`, which writes the store. Files between stages are beside the store, under
     /// its name.
@@ -101,8 +98,7 @@ struct PreprocessOutput {
 
 impl PreprocessArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        let mut settings = self.settings.over(Settings::default())?;
-        settings.capture.views = self.views.unwrap_or(settings.capture.views);
+        let settings = self.settings.over(Settings::default())?;
         output::check_file(&self.out, "scene.ovl")?;
         self.settings.refuse_inputs(&self.out)?;
         let edits = self.edits()?;

@@ -1,8 +1,6 @@
-//! Where a moving camera was at any time.
+//! Where a moving camera was at any time: stamps are paired, and poses lie between the recorded ones.
 
 use glam::{DAffine3, DMat3, DQuat};
-
-use super::pairing::nearest;
 
 /// Poses by time.
 #[derive(Clone, Debug, Default)]
@@ -42,6 +40,19 @@ fn between(a: &DAffine3, b: &DAffine3, share: f64) -> DAffine3 {
     DAffine3::from_mat3_translation(DMat3::from_quat(rotation.normalize()), translation)
 }
 
+/// The index of the time nearest to `time`, where it is within `limit` seconds; of two equally near ones the earlier. `times` are
+/// finite and ascending.
+pub(crate) fn nearest(times: &[f64], time: f64, limit: f64) -> Option<usize> {
+    let after = times.partition_point(|other| *other < time);
+    let around = [after.checked_sub(1), (after < times.len()).then_some(after)];
+    let apart = |index: &usize| (times[*index] - time).abs();
+    around
+        .into_iter()
+        .flatten()
+        .min_by(|a, b| apart(a).total_cmp(&apart(b)))
+        .filter(|index| apart(index) <= limit)
+}
+
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
@@ -58,5 +69,15 @@ mod tests {
         assert!(trajectory.at(2.05, 0.1).unwrap().abs_diff_eq(pose(0.4, 3.0), 1e-12));
         assert_eq!(trajectory.at(1.5, 0.1), None, "a gap is not bridged");
         assert_eq!(Trajectory::default().at(1.0, 1.0), None);
+    }
+
+    #[test]
+    fn the_nearest_stamp_counts_within_its_limit() {
+        let times = [1.0, 2.0, 2.5];
+        assert_eq!(nearest(&times, 2.2, 0.5), Some(1));
+        assert_eq!(nearest(&times, 1.5, 0.5), Some(0), "the earlier of two");
+        assert_eq!(nearest(&times, 9.0, 0.5), None);
+        assert_eq!(nearest(&times, 0.9, 0.11), Some(0));
+        assert_eq!(nearest(&[], 0.9, 9.0), None);
     }
 }
