@@ -19,7 +19,6 @@ use overlook_lab::truth::{CorrectedViews, ViewCorrections};
 use views::{ShownValues, ViewPainting};
 
 #[derive(Debug, Args)]
-#[expect(clippy::struct_excessive_bools, reason = "switches of the command line, each by its name")]
 pub(crate) struct RenderArgs {
     /// The store.
     store: PathBuf,
@@ -35,10 +34,6 @@ pub(crate) struct RenderArgs {
     /// cameras are wrong by some pixels. Pictures are written at the poses of the views file.
     #[arg(long)]
     align_views: bool,
-    /// Render views at exactly the poses of their file, at the exposure of the corrected cameras. Without this, views that were
-    /// recorded with the capture are corrected like the pictures beside them, if those predict the correction.
-    #[arg(long, conflicts_with = "align_views")]
-    as_claimed: bool,
     /// Orthographic pictures: this many world units from the left edge to the right one. What lies behind a viewpoint is not shown, and
     /// nothing is scored, as true pictures are in perspective.
     #[arg(long, value_name = "WIDTH", value_parser = input::length, conflicts_with_all = ["align_views", "json"])]
@@ -68,15 +63,11 @@ impl RenderArgs {
         self.painting.apply(&mut settings);
         let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
         let mut views = transforms::open_views_of(&self.views, frames_are_ranked)?;
-        let corrected = if self.as_claimed {
-            CorrectedViews::default()
-        } else {
-            let report = &playback.store().info().report;
-            let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
-            alignment.as_ref().map_or_else(CorrectedViews::default, |alignment| {
-                ViewCorrections::of(alignment).correct(&mut views)
-            })
-        };
+        let report = &playback.store().info().report;
+        let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
+        let corrected = alignment.as_ref().map_or_else(CorrectedViews::default, |alignment| {
+            ViewCorrections::of(alignment).correct(&mut views)
+        });
         let paths = self.picture_paths(&views)?;
         let place = self.store.display().to_string();
         let colored = self.shown.channel(&playback.outline().values, &place)?;
