@@ -110,7 +110,7 @@ pub fn beside(path: &Path, suffix: &str) -> Result<NamedTempFile> {
 }
 
 /// Gives a file that was made [`beside`] `path` that name.
-fn persist(unfinished: TempPath, path: &Path) -> Result<()> {
+pub(crate) fn persist(unfinished: TempPath, path: &Path) -> Result<()> {
     unfinished.persist(place_of(path)).map_err(|error| Error::io(path, error.error))
 }
 

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-pub(super) use super::intrinsics::{Intrinsics, PixelSide, Projection};
+pub(super) use super::intrinsics::{Intrinsics, Projection};
 use crate::error::{Error, Result};
 
 /// Largest width and height of a picture that is believed, wherever it comes from.
@@ -129,7 +129,8 @@ pub fn in_perspective(cameras: &[Camera], place: &str, what: &str) -> Result<()>
 
 #[cfg(test)]
 mod tests {
-    use super::{Camera, Intrinsics, PixelSide, Projection};
+    use super::{Camera, Intrinsics, Projection};
+    use crate::capture::PixelSide;
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
