@@ -85,7 +85,7 @@ fn prune_frame(bencher: Bencher) {
     let rig = OverlapGraph::complete(&capture.cameras);
     let layers = FrameLayers::unscanned(capture, &Settings::default(), 0, &Job::new()).unwrap();
     let bencher = bencher.counter(frame_pixels()).with_inputs(new_tolerance());
-    bencher.bench_refs(|settings| layers.prune(&rig, settings, &Job::new()).unwrap());
+    bencher.bench_local_refs(|settings| layers.prune(&rig, settings, &Job::new()).unwrap());
 }
 
 /// Each time from beyond the reach of the time before.
@@ -103,7 +103,7 @@ fn prepare(bencher: Bencher) {
         settings
     };
     let bencher = bencher.counter(frame_pixels()).with_inputs(settings);
-    bencher.bench_refs(|settings| prepare_frame(capture, &scanned, settings, 1, &Job::new()).unwrap());
+    bencher.bench_local_refs(|settings| prepare_frame(capture, &scanned, settings, 1, &Job::new()).unwrap());
 }
 
 #[divan::bench(args = [true, false])]
@@ -114,7 +114,9 @@ fn prune_again_if_prepared(bencher: Bencher, is_prepared: bool) {
         prepare_frame(capture, &scanned, &Settings::default(), 1, &Job::new()).unwrap();
     }
     let bencher = bencher.counter(frame_pixels()).with_inputs(new_tolerance());
-    bencher.bench_refs(|settings| inspect_frame(capture, Some(&scanned), settings, 1, &Job::new()).unwrap());
+    bencher.bench_local_refs(|settings| {
+        inspect_frame(capture, Some(&scanned), settings, 1, &Job::new()).unwrap()
+    });
 }
 
 /// A recording of many views of one moment, half of whose layers fit into memory at a time.
