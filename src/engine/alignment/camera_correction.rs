@@ -16,11 +16,11 @@ pub struct CameraCorrections {
 }
 
 /// What was corrected of one camera; zeros where nothing was.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CameraCorrection {
     /// Name of its picture's file without folder and extension; `None` where it has no file.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub picture: Option<String>,
     /// Its pose before the correction, through the color lens where one was found.
     pub world_from_camera: DAffine3,

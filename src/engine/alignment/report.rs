@@ -17,6 +17,7 @@ use crate::capture::conventions::Finding;
 use crate::capture::{Camera, Capture, Intrinsics};
 
 /// What was wrong with a capture, and how much better cameras agree without it.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Alignment {
@@ -28,30 +29,27 @@ pub struct Alignment {
     /// The pairs of cameras that were compared.
     pub pairs: Vec<AlignedPair>,
     /// What was corrected of each camera, with every bit; `None` where no pose and no exposure changed.
-    #[serde(alias = "views", skip_serializing_if = "Option::is_none")]
+    #[serde(alias = "views")]
     pub corrections: Option<CameraCorrections>,
     /// What would make cameras agree better but is not corrected, one sentence each: it is farther off than rigs are.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub refused: Vec<String>,
     /// The reading of poses and depth under which views agree far better than as the capture is read. Nothing is corrected then.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub misread: Option<Finding>,
 }
 
 /// What was corrected of one camera.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct AlignedCamera {
     /// The camera's name.
     pub name: String,
     /// How its pose was changed; `None` where it stays.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pose: Option<AlignedPose>,
     /// How its colors were changed; `None` where they stay.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<AlignedExposure>,
     /// How late its pictures were taken; `None` where no delay shows.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub clock: Option<AlignedClock>,
     /// Whether its pose may be wrong, but the pictures do not determine it in some direction.
     #[serde(skip_serializing_if = "std::ops::Not::not")]

@@ -4,12 +4,12 @@ use super::gpu::GpuRenderer;
 use crate::settings::Backend;
 
 /// What painted a picture.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize)]
 pub struct Painter {
     /// `Cpu` or `Gpu`.
     pub backend: Backend,
     /// Name of the graphics adapter, where one painted.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub adapter: Option<String>,
 }
 

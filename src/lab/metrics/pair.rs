@@ -14,6 +14,7 @@ use overlook_engine::grid::Grid;
 use overlook_engine::render::{NO_IMAGE, Picture};
 
 /// How close one picture is to the truth.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Scores {
     /// Peak signal-to-noise ratio over the true pixels that got a sample, dB; read it together with `coverage`. Where no
@@ -33,7 +34,6 @@ pub struct Scores {
     pub flip: f64,
     /// Root mean square error of the true pixels within 3 px of a step in depth, holes included, 8-bit steps; `None` where
     /// nothing has a silhouette. Holes count as in `psnr_all_db`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub silhouette_steps: Option<f64>,
     /// Share of the true pixels (those with a depth or at infinity) that got a sample, 0 to 1; 1 where there are none.
     /// A filled hole got none.

@@ -54,37 +54,28 @@ pub struct ViewScore {
 }
 
 /// Means over views.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct MeanScore {
     /// See [`Scores::psnr_db`]; `None` where no view has truth.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr_db: Option<f64>,
     /// See [`AlignedScore::psnr_db`]; `None` where views were not aligned.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr_aligned_db: Option<f64>,
     /// See [`Scores::psnr_all_db`].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub psnr_all_db: Option<f64>,
     /// See [`Scores::ssim`].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ssim: Option<f64>,
     /// See [`Scores::ms_ssim`].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ms_ssim: Option<f64>,
     /// See [`Scores::flip`].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub flip: Option<f64>,
     /// See [`Scores::silhouette_steps`]; over the views that have silhouettes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub silhouette_steps: Option<f64>,
     /// Root mean square change of error from frame to frame, 8-bit steps; `None` where no vantage is seen at two frames.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub flicker_steps: Option<f64>,
     /// See [`Scores::coverage`].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<f64>,
     /// See [`ViewScore::error_by_class`]; over all pixels of all views together.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub error_by_class: Option<ErrorByClass>,
     /// See [`ViewScore::milliseconds`].
     pub milliseconds: f64,
@@ -93,6 +84,7 @@ pub struct MeanScore {
 }
 
 /// Scores of several views.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Evaluation {
     /// One by one, in the order of the views.
@@ -100,7 +92,6 @@ pub struct Evaluation {
     /// On average.
     pub mean: MeanScore,
     /// A notice if another renderer than requested was used.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub notice: Option<String>,
 }
 

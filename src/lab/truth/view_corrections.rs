@@ -39,13 +39,12 @@ pub struct ViewCorrections<'a> {
 }
 
 /// Ways to predict a correction from those of the cameras beside it, as far as they hold for the cameras themselves.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 struct Predictors {
     /// Along the numbers in the names of pictures; `None` if that predicts nothing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     by_number: Option<CrossValidation>,
     /// Between the nearest poses; `None` if that predicts nothing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     by_pose: Option<CrossValidation>,
 }
 

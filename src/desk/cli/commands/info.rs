@@ -48,15 +48,14 @@ struct Info {
 }
 
 /// A channel of scalar values.
+#[serde_with::skip_serializing_none]
 #[derive(Serialize)]
 struct ValueInfo {
     #[serde(flatten)]
     channel: ValueChannel,
     /// By how much a stored value differs from the capture's, at most.
-    #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<f32>,
     /// Bytes of the channel in the store.
-    #[serde(skip_serializing_if = "Option::is_none")]
     bytes: Option<u64>,
 }
 

@@ -81,6 +81,7 @@ impl LensReading {
 }
 
 /// One way to read poses, depth and lenses.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// What the matrices mean.
@@ -90,7 +91,6 @@ pub struct Reading {
     /// World units per unit of the depth file.
     pub unit: f64,
     /// The planes of a depth buffer, of nothing else.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planes: Option<DepthPlanes>,
     /// What the lenses are beside those claimed.
     #[serde(default, skip_serializing_if = "LensReading::is_claimed")]

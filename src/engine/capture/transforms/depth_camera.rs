@@ -11,23 +11,17 @@ use crate::capture::pose_convention::PoseConvention;
 use crate::error::{Error, Result};
 
 /// The keys of a depth camera, which mean what they mean for color.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct DepthCameraKeys {
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_x: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_y: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cx: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cy: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_center_offset: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_model: Option<String>,
     /// Camera to world; the color camera's where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub transform_matrix: Option<Vec<Vec<f64>>>,
     #[serde(flatten)]
     pub lens: LensKeys,

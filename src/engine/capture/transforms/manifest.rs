@@ -23,133 +23,95 @@ use crate::whole_file;
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Keys of the whole file or of one entry; an entry's wins.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Keys {
     /// Name of the camera.
     #[serde(deserialize_with = "camera_name")]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<String>,
     /// Number of the frame, without `frame`. Fractions (nerfstudio's 0 to 1) are ranked in a capture, and refused in views.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub time: Option<f64>,
     /// The same by its other name; always a number of a frame, also where the times of a capture are fractions.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<f64>,
     /// Horizontal focal length, pixels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_x: Option<f64>,
     /// Vertical focal length, pixels; where missing, as `fl_x` but for pixels that are not square by the picture's header.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub fl_y: Option<f64>,
     /// Principal point, pixels from the left edge; the middle where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cx: Option<f64>,
     /// Principal point, pixels from the top edge; the middle where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cy: Option<f64>,
     /// Columns; from the picture where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub w: Option<f64>,
     /// Rows; from the picture where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub h: Option<f64>,
     /// Horizontal angle of view, radians, in place of `fl_x`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_x: Option<f64>,
     /// Vertical angle of view, radians, in place of `fl_y`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_angle_y: Option<f64>,
     /// Horizontal angle of view, degrees, instant-ngp's way; in place of `fl_x` and `camera_angle_x`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub x_fov: Option<f64>,
     /// Vertical angle of view, degrees.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub y_fov: Option<f64>,
     /// `PINHOLE`, or a model that is one where its distortion is 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_model: Option<String>,
     /// Further keys of the lens.
     #[serde(flatten)]
     pub lens: LensKeys,
     /// World units of the poses per unit of the scene they were made from.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub applied_scale: Option<f64>,
     /// See [`DepthKind`](crate::capture::exr::DepthKind).
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_kind: Option<String>,
     /// Full name of the depth channel.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_channel: Option<String>,
     /// Layer of the normal channels.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_channel: Option<String>,
     /// Layer that all channels belong to.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub layer: Option<String>,
     /// The depth that means "nothing hit".
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_miss_value: Option<f64>,
     /// World units per unit of the depth files; 0.001 for PNG and 1 for EXR where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_unit_scale_factor: Option<f64>,
     /// Another word for `integer_depth_scale`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_integer_scale: Option<f64>,
     /// Units of the depth files per world unit: the reciprocal of `depth_unit_scale_factor`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_scale: Option<f64>,
     /// The depth that means "not measured".
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_invalid_value: Option<f64>,
     /// The depth camera, where it has another lens or place than color's.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_camera: Option<Box<DepthCameraKeys>>,
     /// instant-ngp's word for `depth_unit_scale_factor`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub integer_depth_scale: Option<f64>,
     /// Distance of the near plane.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub near_clip: Option<f64>,
     /// Planar z from which on nothing was hit.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub far_clip: Option<f64>,
     /// `world`, `camera`, or null where normals are not to be read.
     #[serde(deserialize_with = "present")]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_space: Option<NormalSpaceName>,
     /// Whether color is filtered across silhouettes.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub antialiased_color: Option<bool>,
     /// Whether color and depth have no noise: what differs over time moves then, however small it is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_free: Option<bool>,
     /// Pixel centers in the units of `cx`: 0.5 (our convention), or 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_center_offset: Option<f64>,
     /// Whether what is transparent is no sample; it is none where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub use_alpha: Option<bool>,
     /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub color_space: Option<String>,
     /// Which rows of pictures that a tag turns are meant.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub picture_orientation: Option<PictureRows>,
     /// Up in world space.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// How pictures in raw video are read.
     #[serde(flatten)]
     pub raw_video: RawVideoKeys,
     /// Which way `transform_matrix` maps; camera to world where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub transform_direction: Option<PoseDirection>,
     /// Where the axes of the poses' camera space point; OpenGL's where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_axes: Option<CameraAxes>,
     /// Channels of scalar values.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub values: Option<Vec<ValueKeys>>,
 }
 
@@ -209,29 +171,25 @@ impl Keys {
 }
 
 /// One picture of one camera.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PictureEntry {
     /// The picture, relative to the manifest.
     pub file_path: String,
     /// The depth, where it is in a file of its own.
     #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_file_path: Option<String>,
     /// instant-ngp's word for `depth_file_path`, which it is read as.
     #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_path: Option<String>,
     /// The normals, where they are in a file of their own.
     #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_file_path: Option<String>,
     /// How sure the sensor is of each pixel of depth: 0, 1, 2 or 0, 127, 255.
     #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub confidence_file_path: Option<String>,
     /// A picture; where its pixels are 0, the frame's are left out.
     #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub mask_path: Option<String>,
     /// Files of scalar values, by the names of their channels.
     #[serde(default)]
@@ -242,11 +200,9 @@ pub(crate) struct PictureEntry {
     pub path_key: bool,
     /// When the camera of a path is here, in seconds of the film.
     #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub path_time: Option<f64>,
     /// How the camera of a path goes on from here.
     #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub path_easing: Option<String>,
     /// Camera to world, row-major, OpenGL axes; 4 rows or 3.
     #[serde(deserialize_with = "rows")]
@@ -273,6 +229,7 @@ impl PictureEntry {
 }
 
 /// A whole manifest. Keys it does not know are passed over, as nerfstudio writes many.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Manifest {
     /// Keys of all entries.
@@ -282,7 +239,6 @@ pub(crate) struct Manifest {
     pub frames: Vec<PictureEntry>,
     /// How the camera of a path sets off and arrives over the whole of it.
     #[serde(default)]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub path_easing: Option<String>,
 }
 

@@ -77,23 +77,23 @@ impl Easing {
     }
 }
 
+#[serde_with::skip_serializing_none]
 #[derive(Serialize)]
 struct WrittenPath {
     camera_model: &'static str,
     pixel_center_offset: f64,
     up: [f64; 3],
-    #[serde(skip_serializing_if = "Option::is_none")]
     path_easing: Option<String>,
     frames: Vec<WrittenView>,
 }
 
+#[serde_with::skip_serializing_none]
 #[derive(Serialize)]
 struct WrittenView {
     file_path: String,
     transform_matrix: Vec<Vec<f64>>,
     frame: i64,
     /// Where it is not the file's.
-    #[serde(skip_serializing_if = "Option::is_none")]
     camera_model: Option<&'static str>,
     fl_x: f64,
     fl_y: f64,

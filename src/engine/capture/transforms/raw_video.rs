@@ -11,27 +11,22 @@ use crate::capture::yuv::{ColorMatrix, LevelOrder, LevelRange, PixelFormat, YuvF
 use crate::error::{Error, Result};
 
 /// The manifest's keys of raw video.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct RawVideoKeys {
     /// Which picture of its files, from 0, where they hold several.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub picture_in_file: Option<u64>,
     /// Format of raw video of color, by ffmpeg's name.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_format: Option<String>,
     /// Format of raw video of depth.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_pixel_format: Option<String>,
     /// Weights and range of raw video of color.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub yuv_color: Option<String>,
     /// Near and far plane of depth in raw video, in whole numbers or in a depth buffer, which is even in 1/z; far is null where it is
     /// infinite.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_range: Option<(f64, Option<f64>)>,
     /// Whether level 0 of such depth means no depth.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub depth_zero_is_unknown: Option<bool>,
 }
 

@@ -6,6 +6,7 @@ use crate::capture::exr::value_channel;
 use crate::capture::values::ValueChannel;
 
 /// One channel of values, as the manifest has it.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ValueKeys {
     /// Unlike those of the other channels.
@@ -15,16 +16,12 @@ pub(crate) struct ValueKeys {
     #[serde(skip_serializing_if = "String::is_empty")]
     pub unit: String,
     /// Smallest and largest value; measured on the first pictures where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f32; 2]>,
     /// How far apart values may be to count as the same; a share of the range where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f32>,
     /// Whether stores keep the values bit for bit, as they do where missing, or within half the tolerance.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<bool>,
     /// Full name of the channel in OpenEXR; the name where missing.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
 }
 

@@ -68,6 +68,7 @@ struct WrittenManifest<'a> {
     frames: Vec<WrittenEntry<'a>>,
 }
 
+#[serde_with::skip_serializing_none]
 #[derive(Serialize)]
 struct WrittenEntry<'a> {
     file_path: &'a str,
@@ -75,7 +76,6 @@ struct WrittenEntry<'a> {
     camera: &'a str,
     time: f64,
     /// Where it is not the file's.
-    #[serde(skip_serializing_if = "Option::is_none")]
     camera_model: Option<&'static str>,
     fl_x: f64,
     fl_y: f64,

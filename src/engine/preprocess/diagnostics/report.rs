@@ -19,6 +19,7 @@ use crate::preprocess::temporal::RangeFacts;
 use crate::samples::{ImageFacts, Span};
 
 /// One camera's part of a [`Report`].
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CameraReport {
@@ -56,7 +57,6 @@ pub struct CameraReport {
     pub normal_errors: Vec<NormalErrors>,
     /// Median angle between given normals and those of the depth on the first frame, degrees; `None` unless the given normals are used
     /// and the angle shows that they are in another space.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub normals_off_degrees: Option<f32>,
 }
 
@@ -101,6 +101,7 @@ fn is_no_number(number: &u64) -> bool {
 }
 
 /// What preprocessing counted and measured. Written into the store and printed by `preprocess --json`.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Report {
@@ -130,13 +131,10 @@ pub struct Report {
     /// each is compared with some that may see the same, spread over them.
     pub residuals: PairTable<PairResiduals>,
     /// What the rig got wrong and was mended; `None` where nothing was.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment: Option<Alignment>,
     /// How poses and depth would fit far better between cameras than as the capture says, where they would.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub conventions: Option<Finding>,
     /// The reading of depth that brings samples far closer together, if the number of agreeing samples does not show it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub better_reading: Option<DepthReading>,
     /// Mixed pixels, with a color blended across a silhouette or a depth between its sides, and what became of them. Those `found`
     /// `yielded` to clean ones, were `dropped`, `outranked` by others that are mixed as well or contradicted, or `kept`. None are

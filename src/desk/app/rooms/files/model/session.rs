@@ -45,6 +45,7 @@ pub(crate) struct Session {
 }
 
 /// The file.
+#[serde_with::skip_serializing_none]
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SessionForm {
@@ -62,7 +63,6 @@ struct SessionForm {
     path: String,
     #[serde(default, skip_serializing_if = "String::is_empty")]
     path_easing: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     path_looks_at: Option<[f64; 3]>,
     #[serde(default)]
     layout: String,

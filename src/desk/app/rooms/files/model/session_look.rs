@@ -18,6 +18,7 @@ use crate::app::rooms::source::model::picture::Overlay;
 use overlook_engine::error::{Error, Result};
 
 /// How both views look.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SessionLook {
@@ -26,29 +27,26 @@ pub(crate) struct SessionLook {
     holes: HoleDisplay,
     frames_per_second: f32,
     /// Names of cameras: of the source view, of those that the live view leaves out, and of the only one that it shows.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     source_camera: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     hidden_cameras: Vec<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     solo_camera: Option<String>,
     /// Numbers of frames: those that are marked, and the first and last one that are played.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     marked_frames: Vec<i64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     played_frames: Option<[i64; 2]>,
     display: Display,
     compare: SessionComparison,
 }
 
 /// What is compared, and how.
+#[serde_with::skip_serializing_none]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SessionComparison {
     sides: [CompareSide; 2],
     measure: CompareMeasure,
     mode: CompareMode,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     range: Option<f32>,
     from: CompareVantage,
 }
