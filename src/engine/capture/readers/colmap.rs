@@ -26,7 +26,18 @@ const MAX_BYTES: u64 = 16 << 30;
 const DENSE: &str = "there is no stereo/depth_maps, and thus no depth; compute it: colmap image_undistorter --image_path IMAGES --input_path MODEL --output_path dense, then colmap patch_match_stereo --workspace_path dense, and open dense";
 
 /// COLMAP.
-pub(super) struct Colmap;
+pub(super) const COLMAP: Reader = Reader {
+    source: "COLMAP workspace",
+    marks: "stereo/depth_maps beside sparse/ with cameras.bin or cameras.txt, also within dense/ (COLMAP)",
+    stands_for_folder: |file| {
+        ["cameras.bin", "images.bin", "cameras.txt", "images.txt", "points3D.bin"].contains(&file)
+    },
+    is_here: |place| !models(place).is_empty(),
+    poses: "world to camera; camera x right, y down, z forward; units of the reconstruction, which are not metric",
+    depth: "planar z in units of the poses, of stereo; 0 is no depth",
+    lens: "every image has its own lens and size",
+    read,
+};
 
 /// The parts of a workspace below the source's folder: each is `""`, or a path that ends in `/`.
 struct ColmapWorkspace {
@@ -36,59 +47,35 @@ struct ColmapWorkspace {
     model: String,
 }
 
-impl Reader for Colmap {
-    fn source(&self) -> &'static str {
-        "COLMAP workspace"
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let found = models(place);
+    let with_depth = found.iter().filter(|it| place.join(&it.depth_maps()).is_dir());
+    // The reconstruction with the most images' worth of bytes; the first of equal ones.
+    let size = |it: &&ColmapWorkspace| {
+        let images = ["images.bin", "images.txt"].map(|name| place.join(&format!("{}{name}", it.model)));
+        images.iter().find_map(|path| path.metadata().ok()).map_or(0, |data| data.len())
+    };
+    let Some(workspace) = with_depth.clone().rev().max_by_key(size) else {
+        return Err(Error::unsupported(place.path.display(), DENSE));
+    };
+    if with_depth.count() > 1 {
+        let name = if workspace.root.is_empty() { "this folder" } else { &workspace.root };
+        description.notes.push(format!("of several reconstructions the largest is read, {name}"));
     }
-
-    fn marks(&self) -> &'static str {
-        "stereo/depth_maps beside sparse/ with cameras.bin or cameras.txt, also within dense/ (COLMAP)"
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        let is_ours = place.file.as_deref().is_none_or(|file| {
-            ["cameras.bin", "images.bin", "cameras.txt", "images.txt", "points3D.bin"].contains(&file)
-        });
-        is_ours && !models(place).is_empty()
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let found = models(place);
-        let with_depth = found.iter().filter(|it| place.join(&it.depth_maps()).is_dir());
-        // The reconstruction with the most images' worth of bytes; the first of equal ones.
-        let size = |it: &&ColmapWorkspace| {
-            let images = ["images.bin", "images.txt"].map(|name| place.join(&format!("{}{name}", it.model)));
-            images.iter().find_map(|path| path.metadata().ok()).map_or(0, |data| data.len())
-        };
-        let Some(workspace) = with_depth.clone().rev().max_by_key(size) else {
-            return Err(Error::unsupported(place.path.display(), DENSE));
-        };
-        let mut description = Description {
-            source: self.source().to_owned(),
-            poses: "world to camera; camera x right, y down, z forward; units of the reconstruction, which are not metric".into(),
-            depth: "planar z in units of the poses, of stereo; 0 is no depth".into(),
-            lens: "every image has its own lens and size".into(),
-            ..Description::default()
-        };
-        if with_depth.count() > 1 {
-            let name = if workspace.root.is_empty() { "this folder" } else { &workspace.root };
-            description.notes.push(format!("of several reconstructions the largest is read, {name}"));
-        }
-        let reconstruction = Reconstruction::read(place, &workspace.model)?;
-        let frames = reconstruction.pictures(place, workspace, &mut description)?;
-        let keys = Keys {
-            depth_unit_scale_factor: Some(1.0),
-            depth_kind: Some("planar_z".to_owned()),
-            normal_space: Some(NormalSpaceName::Text("camera_opencv".to_owned())),
-            up: Some(mean_up(&frames).unwrap_or(DVec3::NEG_Y).to_array()),
-            // COLMAP reads the rows as they are stored.
-            picture_orientation: Some(PictureRows::AsStored),
-            ..Keys::default()
-        };
-        description.up_is_estimated = true;
-        description.notes.push("up is the mean of the cameras' up, as COLMAP stores none".to_owned());
-        recording(place, keys, frames, description, reconstruction.inputs)
-    }
+    let reconstruction = Reconstruction::read(place, &workspace.model)?;
+    let frames = reconstruction.pictures(place, workspace, &mut description)?;
+    let keys = Keys {
+        depth_unit_scale_factor: Some(1.0),
+        depth_kind: Some("planar_z".to_owned()),
+        normal_space: Some(NormalSpaceName::Text("camera_opencv".to_owned())),
+        up: Some(mean_up(&frames).unwrap_or(DVec3::NEG_Y).to_array()),
+        // COLMAP reads the rows as they are stored.
+        picture_orientation: Some(PictureRows::AsStored),
+        ..Keys::default()
+    };
+    description.up_is_estimated = true;
+    description.notes.push("up is the mean of the cameras' up, as COLMAP stores none".to_owned());
+    recording(place, keys, frames, description, reconstruction.inputs)
 }
 
 impl ColmapWorkspace {
@@ -144,7 +131,7 @@ impl Reconstruction {
             ["cameras.bin", "images.bin"].iter().all(|name| place.join(&format!("{model}{name}")).is_file());
         let ending = if is_binary { "bin" } else { "txt" };
         let paths = ["cameras", "images"].map(|name| place.join(&format!("{model}{name}.{ending}")));
-        let [cameras, images] = [read(&paths[0])?, read(&paths[1])?];
+        let [cameras, images] = [bytes_of(&paths[0])?, bytes_of(&paths[1])?];
         let shown = paths.each_ref().map(|path| path.display().to_string());
         let (cameras, mut images) = if is_binary {
             (colmap::cameras_of_bytes(&cameras, &shown[0])?, colmap::images_of_bytes(&images, &shown[1])?)
@@ -197,7 +184,7 @@ impl Reconstruction {
     }
 }
 
-fn read(path: &Path) -> Result<Vec<u8>> {
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
     let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
     if length > MAX_BYTES {
         return Err(Error::invalid(

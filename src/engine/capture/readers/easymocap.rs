@@ -25,49 +25,37 @@ use crate::plural::counted;
 const FILES: [&str; 2] = ["intri.yml", "extri.yml"];
 
 /// Rigs of `EasyMocap`.
-pub(super) struct EasyMocap;
+pub(super) const EASYMOCAP: Reader = Reader {
+    source: "EasyMocap",
+    marks: "intri.yml, extri.yml and images/ (EasyMocap)",
+    stands_for_folder: |file| FILES.contains(&file),
+    is_here: |place| place.has_all(&FILES),
+    poses: "",
+    depth: MILLIMETERS,
+    lens: "of every camera",
+    read,
+};
 
-impl Reader for EasyMocap {
-    fn source(&self) -> &'static str {
-        "EasyMocap"
-    }
-
-    fn marks(&self) -> &'static str {
-        "intri.yml, extri.yml and images/ (EasyMocap)"
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        let is_ours = place.file.as_deref().is_none_or(|file| FILES.contains(&file));
-        is_ours && place.has_all(&FILES)
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let paths = FILES.map(|name| place.join(name));
-        let [lenses, poses] = [matrices(&paths[0])?, matrices(&paths[1])?];
-        let Some(depth) = place.first_of(&["depth", "depths"]) else {
-            let what = "there is no depth/ beside images/: a rig of color cameras holds no depth; compute it (COLMAP's patch_match_stereo for every frame, or a sensor's) and save it as depth/NAME/000000.png in millimeters";
-            return Err(Error::unsupported(place.folder.display(), what));
-        };
-        let mut description = Description {
-            source: self.source().to_owned(),
-            poses: OPENCV_POSES.replace("camera to world", "world to camera"),
-            depth: MILLIMETERS.to_owned(),
-            lens: "of every camera".to_owned(),
-            ..Description::default()
-        };
-        let mut frames = Vec::new();
-        for name in names_in(&place.join("images"))? {
-            if lenses.contains_key(&format!("K_{name}")) {
-                let keys = lens_of(&lenses, &name, &paths[0])?;
-                let pose = pose_of(&poses, &name, &paths[1])?;
-                frames.extend(pictures_of(place, depth, &name, &keys, &pose, &mut description));
-            } else {
-                description.skip("cameras without a calibration", name);
-            }
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let paths = FILES.map(|name| place.join(name));
+    let [lenses, poses] = [matrices(&paths[0])?, matrices(&paths[1])?];
+    let Some(depth) = place.first_of(&["depth", "depths"]) else {
+        let what = "there is no depth/ beside images/: a rig of color cameras holds no depth; compute it (COLMAP's patch_match_stereo for every frame, or a sensor's) and save it as depth/NAME/000000.png in millimeters";
+        return Err(Error::unsupported(place.folder.display(), what));
+    };
+    description.poses = OPENCV_POSES.replace("camera to world", "world to camera");
+    let mut frames = Vec::new();
+    for name in names_in(&place.join("images"))? {
+        if lenses.contains_key(&format!("K_{name}")) {
+            let keys = lens_of(&lenses, &name, &paths[0])?;
+            let pose = pose_of(&poses, &name, &paths[1])?;
+            frames.extend(pictures_of(place, depth, &name, &keys, &pose, &mut description));
+        } else {
+            description.skip("cameras without a calibration", name);
         }
-        let keys = Keys { depth_unit_scale_factor: Some(1e-3), ..Keys::default() };
-        rig_or_recording(place, keys, frames, description, paths.to_vec())
     }
+    let keys = Keys { depth_unit_scale_factor: Some(1e-3), ..Keys::default() };
+    rig_or_recording(place, keys, frames, description, paths.to_vec())
 }
 
 /// The matrices of a file of `OpenCV`'s YAML by their names, each row by row.

@@ -18,7 +18,16 @@ const DEPTHS: [(&str, &str); 2] =
     [("distance_to_image_plane_", "planar_z"), ("distance_to_camera_", "ray_distance")];
 
 /// Isaac Sim.
-pub(super) struct Isaac;
+pub(super) const ISAAC: Reader = Reader {
+    source: "Isaac Sim Replicator",
+    marks: "camera_params_*.json beside rgb_*.png and distance_to_*.npy (Isaac Sim)",
+    stands_for_folder: |file| number(file).is_some(),
+    is_here: |place| !folders(place).is_empty(),
+    poses: "world to camera; camera x right, y up, looking along −z; units of the scene, read as meters",
+    depth: "meters, NumPy; 0 is no depth, infinity that nothing was hit",
+    lens: "cameraProjection of every picture",
+    read,
+};
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -30,64 +39,40 @@ struct IsaacCamera {
     meters_per_scene_unit: Option<f64>,
 }
 
-impl Reader for Isaac {
-    fn source(&self) -> &'static str {
-        "Isaac Sim Replicator"
-    }
-
-    fn marks(&self) -> &'static str {
-        "camera_params_*.json beside rgb_*.png and distance_to_*.npy (Isaac Sim)"
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        place.file.as_deref().is_none_or(|file| number(file).is_some()) && !folders(place).is_empty()
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let mut description = Description {
-            source: self.source().to_owned(),
-            poses:
-                "world to camera; camera x right, y up, looking along −z; units of the scene, read as meters"
-                    .into(),
-            depth: "meters, NumPy; 0 is no depth, infinity that nothing was hit".to_owned(),
-            lens: "cameraProjection of every picture".to_owned(),
-            ..Description::default()
-        };
-        let (mut frames, mut inputs) = (Vec::new(), Vec::new());
-        for folder in folders(place) {
-            let at =
-                |name: &str| if folder.is_empty() { name.to_owned() } else { format!("{folder}/{name}") };
-            for name in names_in(&place.join(&folder))? {
-                let Some(number) = number(&name) else { continue };
-                let color = at(&format!("rgb_{number}.png"));
-                let depths = DEPTHS.map(|(start, kind)| (at(&format!("{start}{number}.npy")), kind));
-                let depth = depths.into_iter().find(|(path, _)| place.join(path).is_file());
-                let (Some((depth, kind)), true) = (depth, place.join(&color).is_file()) else {
-                    description.skip("without a picture or depth", at(&name));
-                    continue;
-                };
-                let path = place.join(&at(&name));
-                let Ok(camera) = json::<IsaacCamera>(&path) else {
-                    description.skip("whose camera cannot be read", at(&name));
-                    continue;
-                };
-                let keys = Keys {
-                    camera: Some(if folder.is_empty() { "camera".to_owned() } else { folder.clone() }),
-                    frame: number.parse().ok(),
-                    depth_kind: Some(kind.to_owned()),
-                    ..keys_of(&camera)
-                };
-                let Some(pose) = pose(&camera) else {
-                    description.skip("without a rigid pose", at(&name));
-                    continue;
-                };
-                frames.push(PictureEntry { keys, ..entry(color, Some(depth), &pose) });
-                inputs.push(path);
-            }
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let (mut frames, mut inputs) = (Vec::new(), Vec::new());
+    for folder in folders(place) {
+        let at = |name: &str| if folder.is_empty() { name.to_owned() } else { format!("{folder}/{name}") };
+        for name in names_in(&place.join(&folder))? {
+            let Some(number) = number(&name) else { continue };
+            let color = at(&format!("rgb_{number}.png"));
+            let depths = DEPTHS.map(|(start, kind)| (at(&format!("{start}{number}.npy")), kind));
+            let depth = depths.into_iter().find(|(path, _)| place.join(path).is_file());
+            let (Some((depth, kind)), true) = (depth, place.join(&color).is_file()) else {
+                description.skip("without a picture or depth", at(&name));
+                continue;
+            };
+            let path = place.join(&at(&name));
+            let Ok(camera) = json::<IsaacCamera>(&path) else {
+                description.skip("whose camera cannot be read", at(&name));
+                continue;
+            };
+            let keys = Keys {
+                camera: Some(if folder.is_empty() { "camera".to_owned() } else { folder.clone() }),
+                frame: number.parse().ok(),
+                depth_kind: Some(kind.to_owned()),
+                ..keys_of(&camera)
+            };
+            let Some(pose) = pose(&camera) else {
+                description.skip("without a rigid pose", at(&name));
+                continue;
+            };
+            frames.push(PictureEntry { keys, ..entry(color, Some(depth), &pose) });
+            inputs.push(path);
         }
-        let keys = Keys { depth_unit_scale_factor: Some(1.0), ..Keys::default() };
-        rig_or_recording(place, keys, frames, description, inputs)
     }
+    let keys = Keys { depth_unit_scale_factor: Some(1.0), ..Keys::default() };
+    rig_or_recording(place, keys, frames, description, inputs)
 }
 
 fn keys_of(camera: &IsaacCamera) -> Keys {

@@ -28,7 +28,16 @@ const COLOR: &str = "CALIBRATION_CameraPurposePhotoVideo";
 const DEPTH: &str = "CALIBRATION_CameraPurposeDepth";
 
 /// Takes of `LiveScan3D`.
-pub(super) struct LiveScan3d;
+pub(super) const LIVESCAN3D: Reader = Reader {
+    source: "LiveScan3D",
+    marks: "Extrinsics_Open3D.log beside client_0/ (LiveScan3D)",
+    stands_for_folder: |file| file == POSES,
+    is_here: |place| place.has(POSES) && place.names().any(|name| client(name).is_some()),
+    poses: OPENCV_POSES,
+    depth: "planar z in millimeters, 16-bit TIFF; 0 is no depth; carried into the color camera",
+    lens: "of every sensor, color and depth apart",
+    read,
+};
 
 #[derive(Deserialize)]
 #[serde(rename_all = "PascalCase")]
@@ -79,46 +88,23 @@ struct ModeLens {
     coefficients: LensKeys,
 }
 
-impl Reader for LiveScan3d {
-    fn source(&self) -> &'static str {
-        "LiveScan3D"
-    }
-
-    fn marks(&self) -> &'static str {
-        "Extrinsics_Open3D.log beside client_0/ (LiveScan3D)"
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        let is_ours = place.file.as_deref().is_none_or(|file| file == POSES);
-        is_ours && place.has(POSES) && place.names().any(|name| client(name).is_some())
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let path = place.join(POSES);
-        let poses = poses(&path)?;
-        let mut description = Description {
-            source: self.source().to_owned(),
-            poses: OPENCV_POSES.to_owned(),
-            depth: "planar z in millimeters, 16-bit TIFF; 0 is no depth; carried into the color camera"
-                .to_owned(),
-            lens: "of every sensor, color and depth apart".to_owned(),
-            ..Description::default()
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let path = place.join(POSES);
+    let poses = poses(&path)?;
+    let mut inputs = vec![path.clone()];
+    let mut frames = Vec::new();
+    for name in names_in(&place.folder)? {
+        let Some(index) = client(&name) else { continue };
+        let Some((_, pose)) = poses.iter().find(|(of, _)| *of == index) else {
+            let what = format!("there is no pose of sensor {index}, whose pictures are in {name}/");
+            return Err(Error::invalid(path.display(), what));
         };
-        let mut inputs = vec![path.clone()];
-        let mut frames = Vec::new();
-        for name in names_in(&place.folder)? {
-            let Some(index) = client(&name) else { continue };
-            let Some((_, pose)) = poses.iter().find(|(of, _)| *of == index) else {
-                let what = format!("there is no pose of sensor {index}, whose pictures are in {name}/");
-                return Err(Error::invalid(path.display(), what));
-            };
-            let calibration = calibration_in(&place.join(&name))?;
-            frames.extend(pictures_of(place, &name, pose, &calibration, &mut description)?);
-            inputs.push(calibration);
-        }
-        let keys = Keys { depth_unit_scale_factor: Some(1e-3), ..Keys::default() };
-        rig_or_recording(place, keys, frames, description, inputs)
+        let calibration = calibration_in(&place.join(&name))?;
+        frames.extend(pictures_of(place, &name, pose, &calibration, &mut description)?);
+        inputs.push(calibration);
     }
+    let keys = Keys { depth_unit_scale_factor: Some(1e-3), ..Keys::default() };
+    rig_or_recording(place, keys, frames, description, inputs)
 }
 
 /// The index of the sensor whose folder has this name.

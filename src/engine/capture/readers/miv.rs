@@ -18,7 +18,16 @@ use crate::whole_file;
 const MAX_BYTES: u64 = 16 << 20;
 
 /// MPEG immersive video.
-pub(super) struct Miv;
+pub(super) const MIV: Reader = Reader {
+    source: "MPEG immersive video",
+    marks: "a JSON file of \"cameras\" with a \"Projection\" (MPEG immersive video)",
+    stands_for_folder: |_| true,
+    is_here: |place| sequence_in(place).is_some(),
+    poses: "camera to world; yaw, pitch, roll; x forward, y left, z up",
+    depth: "inverse depth in levels between near and far, raw video",
+    lens: "perspective",
+    read,
+};
 
 /// Raw video of a camera: the path below the folder, and its format.
 struct Video {
@@ -26,69 +35,47 @@ struct Video {
     format: PixelFormat,
 }
 
-impl Reader for Miv {
-    fn source(&self) -> &'static str {
-        "MPEG immersive video"
-    }
-
-    fn marks(&self) -> &'static str {
-        "a JSON file of \"cameras\" with a \"Projection\" (MPEG immersive video)"
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        sequence_in(place).is_some()
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let name = sequence_in(place).unwrap_or_default();
-        let path = place.join(&name);
-        let shown = path.display().to_string();
-        let bytes = whole_file::read_all(&path)?;
-        let sequence: SequenceFile = serde_json::from_slice(&bytes).map_err(|error| {
-            Error::invalid(&shown, format!("no sequence of MPEG immersive video ({error})"))
-        })?;
-        let mut description = Description {
-            source: self.source().to_owned(),
-            poses: "camera to world; yaw, pitch, roll; x forward, y left, z up".to_owned(),
-            depth: "inverse depth in levels between near and far, raw video".to_owned(),
-            lens: "perspective".to_owned(),
-            ..Description::default()
-        };
-        let mut frames = Vec::new();
-        let mut inputs = vec![path.clone()];
-        for camera in sources(&sequence, &shown)? {
-            let keys = keys_of(camera, &shown)?;
-            let texture = video(place, &sequence, camera, "texture", &shown)?;
-            let depth = video(place, &sequence, camera, "depth", &shown)?;
-            let world_from_camera = pose(camera, sequence.world_offset, &shown)?;
-            let [columns, rows] = camera.resolution.map(|side| side as usize);
-            for picture in pictures(place, &sequence, [&texture, &depth], (columns, rows))? {
-                let mut one = entry(texture.path.clone(), Some(depth.path.clone()), &world_from_camera);
-                one.keys = Keys {
-                    camera: Some(camera.name.clone()),
-                    frame: Some(picture as f64),
-                    raw_video: RawVideoKeys {
-                        picture_in_file: Some(picture),
-                        pixel_format: Some(texture.format.name()),
-                        depth_pixel_format: Some(depth.format.name()),
-                        ..keys.raw_video.clone()
-                    },
-                    ..keys.clone()
-                };
-                frames.push(one);
-            }
-            inputs.extend([texture.path, depth.path].map(|name| place.join(&name)));
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let name = sequence_in(place).unwrap_or_default();
+    let path = place.join(&name);
+    let shown = path.display().to_string();
+    let bytes = whole_file::read_all(&path)?;
+    let sequence: SequenceFile = serde_json::from_slice(&bytes)
+        .map_err(|error| Error::invalid(&shown, format!("no sequence of MPEG immersive video ({error})")))?;
+    let mut frames = Vec::new();
+    let mut inputs = vec![path.clone()];
+    for camera in sources(&sequence, &shown)? {
+        let keys = keys_of(camera, &shown)?;
+        let texture = video(place, &sequence, camera, "texture", &shown)?;
+        let depth = video(place, &sequence, camera, "depth", &shown)?;
+        let world_from_camera = pose(camera, sequence.world_offset, &shown)?;
+        let [columns, rows] = camera.resolution.map(|side| side as usize);
+        for picture in pictures(place, &sequence, [&texture, &depth], (columns, rows))? {
+            let mut one = entry(texture.path.clone(), Some(depth.path.clone()), &world_from_camera);
+            one.keys = Keys {
+                camera: Some(camera.name.clone()),
+                frame: Some(picture as f64),
+                raw_video: RawVideoKeys {
+                    picture_in_file: Some(picture),
+                    pixel_format: Some(texture.format.name()),
+                    depth_pixel_format: Some(depth.format.name()),
+                    ..keys.raw_video.clone()
+                },
+                ..keys.clone()
+            };
+            frames.push(one);
         }
-        description.found = frames.len();
-        let keys = Keys { up: Some([0.0, 0.0, 1.0]), ..Keys::default() };
-        Ok(ReadSource {
-            manifest: Manifest { keys, frames, path_easing: None },
-            origin: ManifestOrigin { path, folder: place.folder.clone() },
-            inputs,
-            description,
-            said_by: SaidBy::Layout,
-        })
+        inputs.extend([texture.path, depth.path].map(|name| place.join(&name)));
     }
+    description.found = frames.len();
+    let keys = Keys { up: Some([0.0, 0.0, 1.0]), ..Keys::default() };
+    Ok(ReadSource {
+        manifest: Manifest { keys, frames, path_easing: None },
+        origin: ManifestOrigin { path, folder: place.folder.clone() },
+        inputs,
+        description,
+        said_by: SaidBy::Layout,
+    })
 }
 
 /// The name of the file that describes the cameras: the one that was named, or the first of the folder's.

@@ -4,9 +4,8 @@
 //! path ─ SourceFolder (names) ─ the first reader that recognizes it ─ ReadSource: Manifest, ManifestOrigin, Description
 //! ```
 //!
-//! A reader is one file or folder here, or a row of [`PosedFolder`](posed_folder::PosedFolder), implements [`Reader`] and is listed in
-//! [`READERS`]. It knows one source's layout, axes, units and quirks. It knows nothing of pictures' bytes: the manifest's keys
-//! describe them.
+//! A reader is a [`Reader`] in a file or folder here, and is listed in [`READERS`]. It knows one source's layout, axes, units and quirks.
+//! It knows nothing of pictures' bytes: the manifest's keys describe them.
 
 mod cinema;
 mod colmap;
@@ -41,27 +40,27 @@ use crate::capture::transforms::other_file;
 use crate::error::{Error, Result};
 
 /// All readers, in the order in which they are tried. A manifest comes first: it is what users correct by hand.
-const READERS: &[&dyn Reader] = &[
-    &nerfstudio::Nerfstudio,
-    &colmap::Colmap,
-    &record3d::Record3d,
-    &polycam::Polycam,
-    &scanner_app::ScannerApp,
-    &miv::Miv,
-    &poses_by_time::TUM,
-    &livescan3d::LiveScan3d,
-    &poses_by_order::REDWOOD,
-    &poses_by_name::SEVEN_SCENES,
-    &poses_by_name::SCANNET,
-    &poses_by_name::REPLICA,
-    &poses_by_order::POSE_LIST,
-    &poses_by_name::BOP,
-    &isaac::Isaac,
-    &kubric::Kubric,
-    &msr::Msr,
-    &easymocap::EasyMocap,
-    &cinema::Cinema,
-    &exr_header::ExrHeader,
+const READERS: &[Reader] = &[
+    nerfstudio::NERFSTUDIO,
+    colmap::COLMAP,
+    record3d::RECORD3D,
+    polycam::POLYCAM,
+    scanner_app::SCANNER_APP,
+    miv::MIV,
+    poses_by_time::TUM,
+    livescan3d::LIVESCAN3D,
+    poses_by_order::REDWOOD,
+    poses_by_name::SEVEN_SCENES,
+    poses_by_name::SCANNET,
+    poses_by_name::REPLICA,
+    poses_by_order::POSE_LIST,
+    poses_by_name::BOP,
+    isaac::ISAAC,
+    kubric::KUBRIC,
+    msr::MSR,
+    easymocap::EASYMOCAP,
+    cinema::CINEMA,
+    exr_header::EXR_HEADER,
 ];
 
 /// How the error of a folder that holds no capture begins.
@@ -69,7 +68,7 @@ pub const NO_CAPTURE: &str = "there is no capture that is known";
 
 /// What a folder or file of each source is known by, in the order in which it is looked for.
 pub fn known_sources() -> impl Iterator<Item = &'static str> {
-    READERS.iter().map(|reader| reader.marks())
+    READERS.iter().map(|reader| reader.marks)
 }
 
 /// Finds out what `path` is, and reads it.

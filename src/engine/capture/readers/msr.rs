@@ -26,7 +26,16 @@ const RANGES: [(&str, f64, f64); 2] = [("breakdancer", 44.0, 120.0), ("ballet", 
 const NUMBERS: usize = 1 + 9 + 2 + 12;
 
 /// Microsoft Research's captures.
-pub(super) struct Msr;
+pub(super) const MSR: Reader = Reader {
+    source: "Microsoft Research's video view interpolation",
+    marks: "calibParams-*.txt and cam0/color-cam0-f000.jpg (Microsoft Research)",
+    stands_for_folder: |_| true,
+    is_here: |place| calibration_of(place).is_some(),
+    poses: "world to camera; camera x right, y up, z forward; the world is left-handed, and is mirrored along y",
+    depth: "",
+    lens: "of every camera, with rows from the bottom",
+    read,
+};
 
 /// A camera of the file of calibrations.
 struct MsrCamera {
@@ -37,50 +46,30 @@ struct MsrCamera {
     pose: [f64; 12],
 }
 
-impl Reader for Msr {
-    fn source(&self) -> &'static str {
-        "Microsoft Research's video view interpolation"
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let path = place.join(calibration_of(place).unwrap_or_default());
+    let (near, far) = range_of(&path, &place.folder)?;
+    let cameras = calibrations(&path)?;
+    description.depth = format!("z in world space, in 256 levels even in 1/z between {near} and {far}");
+    let mut frames = Vec::new();
+    for camera in &cameras {
+        frames.extend(pictures_of(place, camera, &path, &mut description)?);
     }
-
-    fn marks(&self) -> &'static str {
-        "calibParams-*.txt and cam0/color-cam0-f000.jpg (Microsoft Research)"
+    let largest = cameras.iter().map(|camera| camera.lens[1].abs()).fold(0.0, f64::max);
+    if largest > 0.0 {
+        description
+            .notes
+            .push(format!("axes of the lenses are skewed by up to {largest:.2}, which is left out"));
     }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        calibration_of(place).is_some()
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let path = place.join(calibration_of(place).unwrap_or_default());
-        let (near, far) = range_of(&path, &place.folder)?;
-        let cameras = calibrations(&path)?;
-        let mut description = Description {
-            source: self.source().to_owned(),
-            poses: "world to camera; camera x right, y up, z forward; the world is left-handed, and is mirrored along y".to_owned(),
-            depth: format!("z in world space, in 256 levels even in 1/z between {near} and {far}"),
-            lens: "of every camera, with rows from the bottom".to_owned(),
-            ..Description::default()
-        };
-        let mut frames = Vec::new();
-        for camera in &cameras {
-            frames.extend(pictures_of(place, camera, &path, &mut description)?);
-        }
-        let largest = cameras.iter().map(|camera| camera.lens[1].abs()).fold(0.0, f64::max);
-        if largest > 0.0 {
-            description
-                .notes
-                .push(format!("axes of the lenses are skewed by up to {largest:.2}, which is left out"));
-        }
-        let keys = Keys {
-            depth_kind: Some("world_z".to_owned()),
-            raw_video: RawVideoKeys { depth_range: Some((near, Some(far))), ..RawVideoKeys::default() },
-            transform_direction: Some(PoseDirection::WorldToCamera),
-            camera_axes: Some(CameraAxes::DIRECT3D),
-            up: Some([0.0, -1.0, 0.0]),
-            ..Keys::default()
-        };
-        rig_or_recording(place, keys, frames, description, vec![path])
-    }
+    let keys = Keys {
+        depth_kind: Some("world_z".to_owned()),
+        raw_video: RawVideoKeys { depth_range: Some((near, Some(far))), ..RawVideoKeys::default() },
+        transform_direction: Some(PoseDirection::WorldToCamera),
+        camera_axes: Some(CameraAxes::DIRECT3D),
+        up: Some([0.0, -1.0, 0.0]),
+        ..Keys::default()
+    };
+    rig_or_recording(place, keys, frames, description, vec![path])
 }
 
 /// The file of calibrations: the one that was named, or the first of the folder's.

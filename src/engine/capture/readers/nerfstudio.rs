@@ -7,37 +7,27 @@ use crate::error::Result;
 use crate::whole_file;
 
 /// Reads a manifest: the file itself, or the one in the folder.
-pub(super) struct Nerfstudio;
+pub(super) const NERFSTUDIO: Reader = Reader {
+    source: "transforms.json (nerfstudio, instant-ngp, Overlook)",
+    marks: MANIFEST_NAME,
+    stands_for_folder: |_| true,
+    is_here: |place| match &place.file {
+        Some(name) => name == MANIFEST_NAME || (is_json(name) && holds_frames(place)),
+        None => place.has(MANIFEST_NAME),
+    },
+    poses: "camera to world; camera x right, y up, looking along −z",
+    depth: "",
+    lens: "",
+    read,
+};
 
-impl Reader for Nerfstudio {
-    fn source(&self) -> &'static str {
-        "transforms.json (nerfstudio, instant-ngp, Overlook)"
-    }
-
-    fn marks(&self) -> &'static str {
-        MANIFEST_NAME
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        match &place.file {
-            Some(name) => name == MANIFEST_NAME || (is_json(name) && holds_frames(place)),
-            None => place.has(MANIFEST_NAME),
-        }
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let path = place.join(place.file.as_deref().unwrap_or(MANIFEST_NAME));
-        let manifest = Manifest::read(&path)?;
-        let description = Description {
-            source: self.source().to_owned(),
-            poses: "camera to world; camera x right, y up, looking along −z".to_owned(),
-            is_recording: is_recording(&manifest),
-            found: manifest.frames.len(),
-            ..Description::default()
-        };
-        let origin = ManifestOrigin::of_file(&path);
-        Ok(ReadSource { manifest, origin, inputs: vec![path], description, said_by: SaidBy::Manifest })
-    }
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let path = place.join(place.file.as_deref().unwrap_or(MANIFEST_NAME));
+    let manifest = Manifest::read(&path)?;
+    description.is_recording = is_recording(&manifest);
+    description.found = manifest.frames.len();
+    let origin = ManifestOrigin::of_file(&path);
+    Ok(ReadSource { manifest, origin, inputs: vec![path], description, said_by: SaidBy::Manifest })
 }
 
 fn is_json(name: &str) -> bool {

@@ -16,68 +16,57 @@ use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::Result;
 
 /// Polycam.
-pub(super) struct Polycam;
+pub(super) const POLYCAM: Reader = Reader {
+    source: "Polycam raw data",
+    marks: "keyframes/ with cameras/, images/ and depth/ (Polycam)",
+    stands_for_folder: |_| false,
+    is_here: |place| root(place).is_some(),
+    poses: ARKIT_POSES,
+    depth: "",
+    lens: "",
+    read,
+};
 
-impl Reader for Polycam {
-    fn source(&self) -> &'static str {
-        "Polycam raw data"
-    }
-
-    fn marks(&self) -> &'static str {
-        "keyframes/ with cameras/, images/ and depth/ (Polycam)"
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        place.file.is_none() && root(place).is_some()
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let root = root(place).unwrap_or_default();
-        let has = |name: &str| place.join(&format!("{root}{name}")).is_dir();
-        let is_corrected = has("corrected_cameras") && has("corrected_images");
-        let prefix = if is_corrected { "corrected_" } else { "" };
-        let mut description = Description {
-            source: self.source().to_owned(),
-            poses: ARKIT_POSES.to_owned(),
-            depth: format!("{MILLIMETERS}, of its own size; what the sensor is unsure of is left out"),
-            lens: if is_corrected { "of every picture, its distortion undone" } else { "of every picture" }
-                .into(),
-            ..Description::default()
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let root = root(place).unwrap_or_default();
+    let has = |name: &str| place.join(&format!("{root}{name}")).is_dir();
+    let is_corrected = has("corrected_cameras") && has("corrected_images");
+    let prefix = if is_corrected { "corrected_" } else { "" };
+    description.depth = format!("{MILLIMETERS}, of its own size; what the sensor is unsure of is left out");
+    description.lens =
+        if is_corrected { "of every picture, its distortion undone" } else { "of every picture" }.into();
+    let mut inputs = Vec::new();
+    let mut frames = Vec::new();
+    for name in pictures_in(&place.join(&format!("{root}{prefix}cameras")), &[".json"]) {
+        let stem = stem(&name);
+        let in_folder = |folder: &str, ending: &str| {
+            let path = format!("{root}{folder}/{stem}.{ending}");
+            place.join(&path).is_file().then_some(path)
         };
-        let mut inputs = Vec::new();
-        let mut frames = Vec::new();
-        for name in pictures_in(&place.join(&format!("{root}{prefix}cameras")), &[".json"]) {
-            let stem = stem(&name);
-            let in_folder = |folder: &str, ending: &str| {
-                let path = format!("{root}{folder}/{stem}.{ending}");
-                place.join(&path).is_file().then_some(path)
-            };
-            let color = ["jpg", "jpeg", "png"]
-                .iter()
-                .find_map(|ending| in_folder(&format!("{prefix}images"), ending));
-            let (Some(color), Some(depth)) = (color, in_folder("depth", "png")) else {
-                description.skip("cameras without a picture or depth", name);
-                continue;
-            };
-            let path = place.join(&format!("{root}{prefix}cameras/{name}"));
-            let Some((rows, keys)) = json(&path).ok().and_then(|camera| rows_and_lens(&camera)) else {
-                description.skip("whose camera cannot be read", name);
-                continue;
-            };
-            let Some(pose) = pose_of_rows(&rows) else {
-                description.skip("without a rigid pose", color);
-                continue;
-            };
-            frames.push(PictureEntry {
-                confidence_file_path: in_folder("confidence", "png"),
-                keys,
-                ..entry(color, Some(depth), &from_opengl(&pose))
-            });
-            inputs.push(path);
-        }
-        let keys = Keys { depth_unit_scale_factor: Some(1e-3), up: Some([0.0, 1.0, 0.0]), ..Keys::default() };
-        recording(place, keys, frames, description, inputs)
+        let color =
+            ["jpg", "jpeg", "png"].iter().find_map(|ending| in_folder(&format!("{prefix}images"), ending));
+        let (Some(color), Some(depth)) = (color, in_folder("depth", "png")) else {
+            description.skip("cameras without a picture or depth", name);
+            continue;
+        };
+        let path = place.join(&format!("{root}{prefix}cameras/{name}"));
+        let Some((rows, keys)) = json(&path).ok().and_then(|camera| rows_and_lens(&camera)) else {
+            description.skip("whose camera cannot be read", name);
+            continue;
+        };
+        let Some(pose) = pose_of_rows(&rows) else {
+            description.skip("without a rigid pose", color);
+            continue;
+        };
+        frames.push(PictureEntry {
+            confidence_file_path: in_folder("confidence", "png"),
+            keys,
+            ..entry(color, Some(depth), &from_opengl(&pose))
+        });
+        inputs.push(path);
     }
+    let keys = Keys { depth_unit_scale_factor: Some(1e-3), up: Some([0.0, 1.0, 0.0]), ..Keys::default() };
+    recording(place, keys, frames, description, inputs)
 }
 
 /// The rows of a camera's pose, and its lens; `None` where a number is missing.

@@ -1,37 +1,21 @@
-//! Folders of color, of depth, and of a pose for every picture: one reader, and a row of facts for each source.
+//! Folders of color, of depth, and of a pose for every picture.
 //!
 //! ```text
-//! row ─ its `find` ─ Found: lens, pictures ─ recording
+//! place ─ the source's `find` ─ Found: lens, pictures ─ recording
 //! ```
 //!
-//! Each row is in the file that finds its pictures: `poses_by_name`, `poses_by_order`, `poses_by_time`.
+//! Sources are in `poses_by_name`, `poses_by_order` and `poses_by_time`.
 
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use super::place::SourceFolder;
-use super::reader::{Description, ReadSource, Reader};
+use super::reader::{Description, ReadSource};
 use super::text::TextFile;
 use super::views::{json, lens, mean_up, nearest_axis, recording};
 use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::Result;
-
-/// One such source.
-pub(super) struct PosedFolder {
-    pub(super) source: &'static str,
-    pub(super) marks: &'static str,
-    /// Whether a file of this name may be opened in place of its folder.
-    pub(super) stands_for_folder: fn(&str) -> bool,
-    /// Whether a folder is of this source.
-    pub(super) is_here: fn(&SourceFolder) -> bool,
-    /// The text of [`Description::poses`].
-    pub(super) poses: &'static str,
-    /// The text of [`Description::depth`], unless `find` knows better.
-    pub(super) depth: &'static str,
-    /// Finds lens and pictures.
-    pub(super) find: fn(&mut Found<'_>) -> Result<()>,
-}
 
 /// What was found so far.
 pub(super) struct Found<'a> {
@@ -44,36 +28,25 @@ pub(super) struct Found<'a> {
     frames: Vec<PictureEntry>,
 }
 
-impl Reader for PosedFolder {
-    fn source(&self) -> &'static str {
-        self.source
+/// Reads such a place, of which `find` finds lens and pictures.
+pub(super) fn posed(
+    place: &SourceFolder,
+    description: Description,
+    find: fn(&mut Found<'_>) -> Result<()>,
+) -> Result<ReadSource> {
+    let (inputs, keys, frames) = (Vec::new(), Keys::default(), Vec::new());
+    let mut found = Found { place, description, inputs, keys, frames };
+    find(&mut found)?;
+    found.description.up_is_estimated = found.keys.up.is_none();
+    if let Some(up) = mean_up(&found.frames).filter(|_| found.keys.up.is_none()).map(nearest_axis) {
+        // Lists of poses do not say it, and few worlds are as askew as the cameras in them.
+        found.keys.up = Some(up.to_array());
+        found
+            .description
+            .notes
+            .push(format!("up is {}, the axis nearest to the mean of the cameras' up", axis_name(up)));
     }
-
-    fn marks(&self) -> &'static str {
-        self.marks
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        place.file.as_deref().is_none_or(self.stands_for_folder) && (self.is_here)(place)
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let [source, poses, depth] = [self.source, self.poses, self.depth].map(str::to_owned);
-        let description = Description { source, poses, depth, ..Description::default() };
-        let (inputs, keys, frames) = (Vec::new(), Keys::default(), Vec::new());
-        let mut found = Found { place, description, inputs, keys, frames };
-        (self.find)(&mut found)?;
-        found.description.up_is_estimated = found.keys.up.is_none();
-        if let Some(up) = mean_up(&found.frames).filter(|_| found.keys.up.is_none()).map(nearest_axis) {
-            // Lists of poses do not say it, and few worlds are as askew as the cameras in them.
-            found.keys.up = Some(up.to_array());
-            found
-                .description
-                .notes
-                .push(format!("up is {}, the axis nearest to the mean of the cameras' up", axis_name(up)));
-        }
-        recording(place, found.keys, found.frames, found.description, found.inputs)
-    }
+    recording(place, found.keys, found.frames, found.description, found.inputs)
 }
 
 /// The name of an axis of the world, as in `−y`.

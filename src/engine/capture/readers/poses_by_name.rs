@@ -6,7 +6,8 @@ use glam::DAffine3;
 use serde::Deserialize;
 
 use super::place::{SourceFolder, names_in};
-use super::posed_folder::{Found, PosedFolder};
+use super::posed_folder::{Found, posed};
+use super::reader::Reader;
 use super::text::TextFile;
 use super::views::{
     INTRINSICS, MILLIMETERS, OPENCV_POSES, colors_in, entry, lens, number_in, pose_of_rows, stem,
@@ -19,14 +20,15 @@ use crate::error::{Error, Result};
 /// Source: Dai et al.: `ScanNet`, CVPR 2017, and its `SensReader`: `color/N.jpg`, `depth/N.png` in millimeters and of its own size,
 /// `pose/N.txt` of 4×4 numbers, camera to world, x right, y down, z forward, `-inf` where tracking was lost,
 /// `intrinsic/intrinsic_color.txt` and `intrinsic_depth.txt`. Depth is registered to color in space, not in size.
-pub(super) const SCANNET: PosedFolder = PosedFolder {
+pub(super) const SCANNET: Reader = Reader {
     source: "ScanNet export",
     marks: "color/, depth/, pose/ and intrinsic/ (ScanNet)",
     stands_for_folder: |_| false,
     is_here: |place| place.has_all(&["color", "depth", "pose", "intrinsic"]),
     poses: OPENCV_POSES,
     depth: MILLIMETERS,
-    find: find_scannet,
+    lens: "",
+    read: |place, description| posed(place, description, find_scannet),
 };
 
 fn find_scannet(found: &mut Found<'_>) -> Result<()> {
@@ -66,14 +68,15 @@ fn find_scannet(found: &mut Found<'_>) -> Result<()> {
 ///
 /// Source: Shotton et al.: Scene Coordinate Regression Forests, CVPR 2013, and its files: `frame-%06d.color.png`, `.depth.png` in
 /// millimeters with 0 and 65535 for no depth, `.pose.txt` of 4×4 numbers, camera to world; x right, y down, z forward.
-pub(super) const SEVEN_SCENES: PosedFolder = PosedFolder {
+pub(super) const SEVEN_SCENES: Reader = Reader {
     source: "7-Scenes",
     marks: "frame-*.pose.txt, or seq-*/ of these (7-Scenes)",
     stands_for_folder: is_pose,
     is_here: |place| !sequences(place).is_empty(),
     poses: OPENCV_POSES,
     depth: "planar z in millimeters, 16-bit PNG; 0 is no depth, and so is 65535",
-    find: find_seven_scenes,
+    lens: "",
+    read: |place, description| posed(place, description, find_seven_scenes),
 };
 
 fn is_pose(name: &str) -> bool {
@@ -129,14 +132,15 @@ fn find_seven_scenes(found: &mut Found<'_>) -> Result<()> {
 /// Source: Zhu et al.: NICE-SLAM, CVPR 2022, and its data loader: `results/frame%06d.jpg`, `results/depth%06d.png`, `traj.txt` with
 /// 16 numbers a line, camera to world, x right, y down, z forward; `cam_params.json`, also one folder above, with the lens and depth
 /// units per meter.
-pub(super) const REPLICA: PosedFolder = PosedFolder {
+pub(super) const REPLICA: Reader = Reader {
     source: "Replica (NICE-SLAM)",
     marks: "traj.txt and results/ (Replica)",
     stands_for_folder: |file| file == "traj.txt",
     is_here: |place| place.has_all(&["traj.txt", "results"]),
     poses: OPENCV_POSES,
     depth: "",
-    find: find_replica,
+    lens: "",
+    read: |place, description| posed(place, description, find_replica),
 };
 
 #[derive(Deserialize)]
@@ -185,14 +189,15 @@ fn find_replica(found: &mut Found<'_>) -> Result<()> {
 /// Source: BOP's data format: `scene_camera.json` has for every image `cam_K` (9 numbers row by row), `depth_scale` (millimeters per
 /// unit of the depth file), and optionally `cam_R_w2c` and `cam_t_w2c` (millimeters), world to camera; x right, y down, z forward;
 /// `rgb/%06d.png` or `.jpg`, `depth/%06d.png`. Pixel centers are at whole numbers. What differs: read in meters.
-pub(super) const BOP: PosedFolder = PosedFolder {
+pub(super) const BOP: Reader = Reader {
     source: "BOP (BlenderProc)",
     marks: "scene_camera.json beside rgb/ and depth/ (BOP, BlenderProc)",
     stands_for_folder: |file| file == CAMERAS,
     is_here: |place| place.has(CAMERAS),
     poses: "world to camera; camera x right, y down, z forward; millimeters, read as meters",
     depth: "planar z, 16-bit PNG, depth_scale millimeters each; 0 is no depth",
-    find: find_bop,
+    lens: "",
+    read: |place, description| posed(place, description, find_bop),
 };
 
 const CAMERAS: &str = "scene_camera.json";

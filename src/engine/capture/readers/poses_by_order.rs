@@ -5,7 +5,8 @@ use std::path::Path;
 use glam::{DAffine3, DMat4};
 use serde::Deserialize;
 
-use super::posed_folder::{Found, PosedFolder};
+use super::posed_folder::{Found, posed};
+use super::reader::Reader;
 use super::text::{TextFile, TextLine};
 use super::views::{
     INTRINSICS, MILLIMETERS, OPENCV_POSES, colors_in, entry, json, pictures_in, pose_of_quaternion,
@@ -34,14 +35,15 @@ fn add_in_order(
 /// Source: `Open3D`'s `FileLOG.cpp`, `FileJSON.cpp` and its reconstruction system: `color/` or `image/`, `depth/` in millimeters,
 /// `trajectory.log` (for each frame three whole numbers and 4×4 numbers, camera to world) or `camera_trajectory.json` (world to
 /// camera, column by column); x right, y down, z forward. Pixel centers are at whole numbers.
-pub(super) const REDWOOD: PosedFolder = PosedFolder {
+pub(super) const REDWOOD: Reader = Reader {
     source: "Open3D / Redwood RGB-D",
     marks: "trajectory.log or camera_trajectory.json beside color/ (or image/) and depth/ (Open3D, Redwood)",
     stands_for_folder: |file| LOGS.contains(&file),
     is_here: |place| place.first_of(&LOGS).is_some() && place.has("depth"),
     poses: OPENCV_POSES,
     depth: MILLIMETERS,
-    find: find_redwood,
+    lens: "",
+    read: |place, description| posed(place, description, find_redwood),
 };
 
 /// Names of files of poses.
@@ -138,7 +140,7 @@ fn poses_of_json(path: &Path) -> Result<Poses> {
 ///
 /// Source: the data of Gao, Zhang: 14 Lectures on Visual SLAM, chapter 5 (`pose.txt`: `tx ty tz qx qy qz qw`, camera to world, x
 /// right, y down, z forward; depth in millimeters), and many like it, which write 12 or 16 numbers of a matrix instead.
-pub(super) const POSE_LIST: PosedFolder = PosedFolder {
+pub(super) const POSE_LIST: Reader = Reader {
     source: "RGB-D folder with a list of poses",
     marks: "pose.txt beside color/ and depth/ (Kinect folders)",
     stands_for_folder: |file| LISTS.contains(&file),
@@ -147,7 +149,8 @@ pub(super) const POSE_LIST: PosedFolder = PosedFolder {
     },
     poses: OPENCV_POSES,
     depth: "planar z in millimeters, 16-bit PGM or PNG; 0 is no depth",
-    find: find_pose_list,
+    lens: "",
+    read: |place, description| posed(place, description, find_pose_list),
 };
 
 /// Names of the files of poses.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::posed_folder::{Found, PosedFolder};
-use super::reader::Description;
+use super::posed_folder::{Found, posed};
+use super::reader::{Description, Reader};
 use super::text::TextFile;
 use super::views::{entry, pose_of_quaternion};
 use crate::capture::trajectory::{Trajectory, nearest};
@@ -16,14 +16,15 @@ use crate::error::{Error, Result};
 /// file formats: `rgb.txt` and `depth.txt` (`timestamp path`), `groundtruth.txt` (`timestamp tx ty tz qx qy qz qw`: camera to
 /// world; x right, y down, z forward; meters), depth in 16-bit PNG in 1/5000 m. Color and depth are paired by the nearest stamp
 /// within 20 ms. What differs: the pose is interpolated between the two around the color's stamp.
-pub(super) const TUM: PosedFolder = PosedFolder {
+pub(super) const TUM: Reader = Reader {
     source: "TUM RGB-D",
     marks: "rgb.txt, depth.txt and groundtruth.txt (TUM)",
     stands_for_folder: |file| LISTS.contains(&file),
     is_here: |place| place.has_all(&["rgb.txt", "depth.txt"]),
     poses: "camera to world; camera x right, y down, z forward; meters; interpolated at the color's stamp",
     depth: "planar z in 1/5000 m, 16-bit PNG; 0 is no depth",
-    find: find_tum,
+    lens: "",
+    read: |place, description| posed(place, description, find_tum),
 };
 
 /// How far the stamps of color and depth may be apart, seconds: the benchmark's own limit.

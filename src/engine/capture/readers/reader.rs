@@ -14,21 +14,38 @@ use crate::plural::counted;
 ///
 /// A reader decodes no picture. It makes a [`Manifest`] with the keys of CAPTURES.md. They are all that the pictures' decoders need:
 /// so `overlook info --write-manifest` can write it, and a user can correct it.
-pub(crate) trait Reader: Sync {
+pub(crate) struct Reader {
     /// What people call the source, as in `TUM RGB-D`.
-    fn source(&self) -> &'static str;
-
+    pub(super) source: &'static str,
     /// The files that the source is recognized by, for the message about a folder that no reader recognizes.
-    fn marks(&self) -> &'static str;
-
+    pub(super) marks: &'static str,
+    /// Whether a file of this name may be opened in place of its folder.
+    pub(super) stands_for_folder: fn(&str) -> bool,
     /// Whether the place is of this source. Looks at names, and at most at the start of a small file.
-    fn recognizes(&self, place: &SourceFolder) -> bool;
+    pub(super) is_here: fn(&SourceFolder) -> bool,
+    /// The text of [`Description::poses`], unless `read` knows better; of the next two likewise.
+    pub(super) poses: &'static str,
+    pub(super) depth: &'static str,
+    pub(super) lens: &'static str,
+    /// Reads the place, which was recognized, and completes its description.
+    pub(super) read: fn(&SourceFolder, Description) -> Result<ReadSource>,
+}
+
+impl Reader {
+    /// Whether the place is of this source.
+    pub(super) fn recognizes(&self, place: &SourceFolder) -> bool {
+        place.file.as_deref().is_none_or(self.stands_for_folder) && (self.is_here)(place)
+    }
 
     /// Reads the place, which it has recognized.
     ///
     /// # Errors
     /// `Io`, `Invalid`, `Unsupported`, with the file, its line or byte, the fault, and advice.
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource>;
+    pub(super) fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
+        let [source, poses, depth, lens] =
+            [self.source, self.poses, self.depth, self.lens].map(str::to_owned);
+        (self.read)(place, Description { source, poses, depth, lens, ..Description::default() })
+    }
 }
 
 /// A source as it was understood.

@@ -16,7 +16,19 @@ use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::Result;
 
 /// 3D Scanner App.
-pub(super) struct ScannerApp;
+pub(super) const SCANNER_APP: Reader = Reader {
+    source: "3D Scanner App",
+    marks: "frame_*.json beside depth_*.png (3D Scanner App)",
+    stands_for_folder: |file| number(file).is_some(),
+    is_here: |place| {
+        let is_first = |name: &str| number(name).is_some_and(|number| place.has(&depth(number)));
+        place.names().any(is_first)
+    },
+    poses: ARKIT_POSES,
+    depth: "",
+    lens: "intrinsics of every picture",
+    read,
+};
 
 #[derive(Default, Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -26,58 +38,36 @@ struct FrameFile {
     intrinsics: Vec<f64>,
 }
 
-impl Reader for ScannerApp {
-    fn source(&self) -> &'static str {
-        "3D Scanner App"
-    }
-
-    fn marks(&self) -> &'static str {
-        "frame_*.json beside depth_*.png (3D Scanner App)"
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        let is_ours = place.file.as_deref().is_none_or(|file| number(file).is_some());
-        let is_first = |name: &str| number(name).is_some_and(|number| place.has(&depth(number)));
-        is_ours && place.names().any(is_first)
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let mut description = Description {
-            source: self.source().to_owned(),
-            poses: ARKIT_POSES.to_owned(),
-            depth: format!("{MILLIMETERS}, of its own size; what the sensor is unsure of is left out"),
-            lens: "intrinsics of every picture".to_owned(),
-            ..Description::default()
-        };
-        let (mut frames, mut inputs) = (Vec::new(), Vec::new());
-        for name in place.names() {
-            let Some(number) = number(name) else { continue };
-            let (color, depth) = (format!("frame_{number}.jpg"), depth(number));
-            if !place.has(&color) || !place.has(&depth) {
-                description.skip("without color or depth", name);
-                continue;
-            }
-            let path = place.join(name);
-            let frame = json::<FrameFile>(&path).unwrap_or_default();
-            let ([fx, _, cx, _, fy, cy, ..], 16) = (&frame.intrinsics[..], frame.pose.len()) else {
-                description.skip("whose intrinsics are not 9 numbers, or cameraPoseARFrame not 16", name);
-                continue;
-            };
-            let Some(pose) = pose_of_rows(&frame.pose) else {
-                description.skip("taken while tracking was lost", name);
-                continue;
-            };
-            let confidence = format!("conf_{number}.png");
-            frames.push(PictureEntry {
-                confidence_file_path: place.has(&confidence).then_some(confidence),
-                keys: lens(*fx, *fy, *cx, *cy, 0.5),
-                ..entry(color, Some(depth), &from_opengl(&pose))
-            });
-            inputs.push(path);
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    description.depth = format!("{MILLIMETERS}, of its own size; what the sensor is unsure of is left out");
+    let (mut frames, mut inputs) = (Vec::new(), Vec::new());
+    for name in place.names() {
+        let Some(number) = number(name) else { continue };
+        let (color, depth) = (format!("frame_{number}.jpg"), depth(number));
+        if !place.has(&color) || !place.has(&depth) {
+            description.skip("without color or depth", name);
+            continue;
         }
-        let keys = Keys { depth_unit_scale_factor: Some(1e-3), up: Some([0.0, 1.0, 0.0]), ..Keys::default() };
-        recording(place, keys, frames, description, inputs)
+        let path = place.join(name);
+        let frame = json::<FrameFile>(&path).unwrap_or_default();
+        let ([fx, _, cx, _, fy, cy, ..], 16) = (&frame.intrinsics[..], frame.pose.len()) else {
+            description.skip("whose intrinsics are not 9 numbers, or cameraPoseARFrame not 16", name);
+            continue;
+        };
+        let Some(pose) = pose_of_rows(&frame.pose) else {
+            description.skip("taken while tracking was lost", name);
+            continue;
+        };
+        let confidence = format!("conf_{number}.png");
+        frames.push(PictureEntry {
+            confidence_file_path: place.has(&confidence).then_some(confidence),
+            keys: lens(*fx, *fy, *cx, *cy, 0.5),
+            ..entry(color, Some(depth), &from_opengl(&pose))
+        });
+        inputs.push(path);
     }
+    let keys = Keys { depth_unit_scale_factor: Some(1e-3), up: Some([0.0, 1.0, 0.0]), ..Keys::default() };
+    recording(place, keys, frames, description, inputs)
 }
 
 /// The digits of `frame_%05d.json`.

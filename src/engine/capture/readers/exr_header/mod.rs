@@ -16,7 +16,20 @@ use crate::capture::transforms::{Keys, PictureEntry};
 use crate::error::Result;
 
 /// Pictures of renderers that write their camera into them.
-pub(super) struct ExrHeader;
+pub(super) const EXR_HEADER: Reader = Reader {
+    source: "OpenEXR with cameras in the headers",
+    marks: "*.exr with unreal/camera, worldToScreen or worldToNDC in the header (Unreal, Arnold, Karma)",
+    stands_for_folder: is_exr,
+    is_here: |place| {
+        let first = place.file.clone().or_else(|| pictures(place).first().map(|it| it.path.clone()));
+        let header = first.and_then(|name| HeaderAttributes::read(&place.join(&name)).ok());
+        header.is_some_and(|header| unreal::is_of(&header) || projection::is_of(&header))
+    },
+    poses: "world to picture, a matrix that holds pose and lens",
+    depth: "planar z in world units",
+    lens: "from the same matrix",
+    read,
+};
 
 /// A picture: its path below the place, its camera, the number of its frame.
 struct HeaderPicture {
@@ -25,79 +38,47 @@ struct HeaderPicture {
     number: i64,
 }
 
-impl Reader for ExrHeader {
-    fn source(&self) -> &'static str {
-        "OpenEXR with cameras in the headers"
-    }
-
-    fn marks(&self) -> &'static str {
-        "*.exr with unreal/camera, worldToScreen or worldToNDC in the header (Unreal, Arnold, Karma)"
-    }
-
-    fn recognizes(&self, place: &SourceFolder) -> bool {
-        if place.file.as_deref().is_some_and(|file| !is_exr(file)) {
-            return false;
-        }
-        let first = place.file.clone().or_else(|| pictures(place).first().map(|it| it.path.clone()));
-        let header = first.and_then(|name| HeaderAttributes::read(&place.join(&name)).ok());
-        header.is_some_and(|header| unreal::is_of(&header) || projection::is_of(&header))
-    }
-
-    fn read(&self, place: &SourceFolder) -> Result<ReadSource> {
-        let pictures = pictures(place);
-        let is_unreal = unreal::is_of(&HeaderAttributes::read(&place.join(&pictures[0].path))?);
-        let mut description = description(is_unreal, self.source());
-        let (mut frames, mut first_error) = (Vec::new(), None);
-        for picture in &pictures {
-            let path = place.join(&picture.path);
-            let read = |header: HeaderAttributes| {
-                let camera = if is_unreal { unreal::camera } else { projection::camera };
-                Ok((camera(&header, &path)?, header.size))
-            };
-            let (camera, (width, height)) = match HeaderAttributes::read(&path).and_then(read) {
-                Ok(found) => found,
-                Err(error) => {
-                    description.skip("whose header cannot be read", picture.path.clone());
-                    first_error.get_or_insert(error);
-                    continue;
-                }
-            };
-            let [fx, fy, cx, cy] = camera.lens;
-            let keys = Keys {
-                camera: Some(picture.camera.clone()),
-                frame: Some(picture.number as f64),
-                w: Some(width as f64),
-                h: Some(height as f64),
-                ..lens(fx, fy, cx, cy, 0.5)
-            };
-            frames
-                .push(PictureEntry { keys, ..entry(picture.path.clone(), None, &camera.world_from_camera) });
-        }
-        if let (Some(error), true) = (first_error, frames.is_empty()) {
-            return Err(error);
-        }
-        let inputs = pictures.iter().map(|picture| place.join(&picture.path)).collect();
-        rig_or_recording(place, keys_of_all(is_unreal), frames, description, inputs)
-    }
-}
-
-fn description(is_unreal: bool, source: &str) -> Description {
+fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource> {
+    let pictures = pictures(place);
+    let is_unreal = unreal::is_of(&HeaderAttributes::read(&place.join(&pictures[0].path))?);
     if is_unreal {
-        return Description {
-            source: "Unreal Engine, Movie Render Queue".to_owned(),
-            poses: "position and yaw, pitch, roll of unreal/camera; left-handed, x forward, y right, z up; centimeters, read as meters".to_owned(),
-            depth: "planar z in centimeters, WorldDepth".to_owned(),
-            lens: "focalLength over sensorWidth of unreal/camera".to_owned(),
-            ..Description::default()
+        description.source = String::from("Unreal Engine, Movie Render Queue");
+        description.poses = String::from(
+            "position and yaw, pitch, roll of unreal/camera; left-handed, x forward, y right, z up; centimeters, read as meters",
+        );
+        description.depth = String::from("planar z in centimeters, WorldDepth");
+        description.lens = String::from("focalLength over sensorWidth of unreal/camera");
+    }
+    let (mut frames, mut first_error) = (Vec::new(), None);
+    for picture in &pictures {
+        let path = place.join(&picture.path);
+        let read = |header: HeaderAttributes| {
+            let camera = if is_unreal { unreal::camera } else { projection::camera };
+            Ok((camera(&header, &path)?, header.size))
         };
+        let (camera, (width, height)) = match HeaderAttributes::read(&path).and_then(read) {
+            Ok(found) => found,
+            Err(error) => {
+                description.skip("whose header cannot be read", picture.path.clone());
+                first_error.get_or_insert(error);
+                continue;
+            }
+        };
+        let [fx, fy, cx, cy] = camera.lens;
+        let keys = Keys {
+            camera: Some(picture.camera.clone()),
+            frame: Some(picture.number as f64),
+            w: Some(width as f64),
+            h: Some(height as f64),
+            ..lens(fx, fy, cx, cy, 0.5)
+        };
+        frames.push(PictureEntry { keys, ..entry(picture.path.clone(), None, &camera.world_from_camera) });
     }
-    Description {
-        source: source.to_owned(),
-        poses: "world to picture, a matrix that holds pose and lens".to_owned(),
-        depth: "planar z in world units".to_owned(),
-        lens: "from the same matrix".to_owned(),
-        ..Description::default()
+    if let (Some(error), true) = (first_error, frames.is_empty()) {
+        return Err(error);
     }
+    let inputs = pictures.iter().map(|picture| place.join(&picture.path)).collect();
+    rig_or_recording(place, keys_of_all(is_unreal), frames, description, inputs)
 }
 
 /// What holds for all pictures.
