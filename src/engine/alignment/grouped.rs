@@ -146,36 +146,17 @@ pub(super) fn aligned_in_groups(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use glam::{DAffine3, DQuat};
     use half::f16;
 
     use super::*;
-    use crate::capture::{CaptureParts, Frame, FrameSource};
+    use crate::capture::with_changed_frames;
     use crate::demo::{Demo, DemoSpec};
     use crate::settings::{CaptureSettings, Correction};
 
-    /// Cameras whose pictures are the brighter the later they come.
-    struct Brightening(Capture);
-
+    /// How much brighter a camera's pictures are than those of the first.
     fn stops(camera: usize) -> f64 {
         0.05 * camera as f64
-    }
-
-    impl FrameSource for Brightening {
-        fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
-            let mut exposed = Frame::clone(&*self.0.frame(camera, frame)?);
-            let gain = (stops(camera) - stops(12)).exp2() as f32;
-            for color in exposed.color.as_mut_slice() {
-                *color = color.map(|value| f16::from_f32(f32::from(value) * gain));
-            }
-            Ok(exposed)
-        }
-
-        fn place(&self, camera: usize, frame: usize) -> String {
-            self.0.place(camera, frame)
-        }
     }
 
     #[test]
@@ -183,9 +164,16 @@ mod tests {
         const WRONG: usize = 13;
         let demo = Demo::new(&DemoSpec::new("orrery").cameras(24).frames(1).size((160, 120))).unwrap();
         let right = demo.capture(&CaptureSettings::default());
-        let parts = CaptureParts { source: Arc::new(Brightening(right.clone())), ..(*right).clone() };
+        let brightening = with_changed_frames(&right, 1 << 26, |camera, _, frame| {
+            let gain = (stops(camera) - stops(12)).exp2() as f32;
+            let mut exposed = frame.clone();
+            for color in exposed.color.as_mut_slice() {
+                *color = color.map(|value| f16::from_f32(f32::from(value) * gain));
+            }
+            exposed
+        });
         let turn = DAffine3::from_quat(DQuat::from_rotation_y(0.5_f64.to_radians()));
-        let wrong = Capture::new(parts, 1 << 26).with_changed_cameras(|index, camera| {
+        let wrong = brightening.with_changed_cameras(|index, camera| {
             if index == WRONG {
                 camera.world_from_camera *= turn;
             }
