@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use crate::capture::Capture;
-use crate::edits::{self, CutByHand, EditList, SampleVotes};
+use crate::edits::{self, CutByHand, EditList};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::preprocess::diagnostics::Report;
+use crate::preprocess::votes_on;
 use crate::samples::{ImageBuffer, SampleSet};
 use crate::store::file::{Extras, Store, StoreInfo, write_with};
 
@@ -57,7 +58,7 @@ pub fn edit_store(
     let set = store.read_undamaged(job)?;
     let images = ImageBuffer::of(&set.images);
     let votes = match capture.filter(|_| edits.asks_for_votes()) {
-        Some(capture) => Some(SampleVotes::of(&images, &set.cameras, capture, job)?),
+        Some(capture) => Some(votes_on(&images, &set.cameras, capture, job)?),
         None => None,
     };
     let left = edits::cut(&images, &set, edits, votes.as_ref(), &place)?;

@@ -7,10 +7,11 @@ use glam::{DVec2, DVec3};
 use overlook_engine::capture::{Camera, Capture, CaptureParts, Frame, FrameSource};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use overlook_engine::preprocess::agreement::{SampleAgreement, Vote};
+use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::preprocess::inspect::{FrameInspection, explain_pixel};
 use overlook_engine::preprocess::pruning::Rule;
 use overlook_engine::preprocess::{inspect_frame, preprocess, scan};
+use overlook_engine::samples::Vote;
 use overlook_engine::settings::{AgreementRule, MixedPixels, Settings};
 use overlook_lab::stress::Disturbance;
 

@@ -5,11 +5,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use overlook_engine::capture::{Capture, with_changed_frames};
-use overlook_engine::edits::{
-    Action, Edit, EditList, Reach, Region, SampleVotes, Viewpoint, edit_samples, selected,
-};
+use overlook_engine::edits::{Action, Edit, EditList, Reach, Region, Viewpoint, edit_samples, selected};
 use overlook_engine::job::Job;
-use overlook_engine::preprocess::{BufferedResult, Preprocessed, preprocess, preprocess_edited};
+use overlook_engine::preprocess::{BufferedResult, Preprocessed, preprocess, preprocess_edited, votes_on};
 use overlook_engine::samples::{ImageBuffer, PlacedSample, SampleImage, SampleSet};
 use overlook_engine::settings::{AlignSettings, PruningMethod, Settings};
 
@@ -231,7 +229,7 @@ fn samples_that_one_camera_misread_are_selected_by_what_other_cameras_say() {
             changed
         });
     let set = preprocess(&capture, &settings, &Job::new()).unwrap().samples;
-    let votes = SampleVotes::of(&ImageBuffer::of(&set.images), &set.cameras, &capture, &Job::new()).unwrap();
+    let votes = votes_on(&ImageBuffer::of(&set.images), &set.cameras, &capture, &Job::new()).unwrap();
     let count = |region: Region| selected(&set, &region, [0.0; 3], Some(&votes), "test").unwrap().1;
     let side = SQUARE.len() as f64;
     let outline = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]]

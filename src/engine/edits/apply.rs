@@ -18,12 +18,11 @@ use super::list::{Action, Edit, EditList, Reach};
 use super::marks::SampleMarks;
 use super::region::Region;
 use super::region_test::{RegionContext, RegionTest};
-use super::seen::{ImageMarks, PixelRays, Seen, Votes};
+use super::seen::{ImageMarks, PixelRays, Seen};
 use super::tile::Tile;
-use super::votes::SampleVotes;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
-use crate::samples::{ImageBuffer, Sample, SampleImage, SampleSet, Span};
+use crate::samples::{ImageBuffer, Sample, SampleImage, SampleSet, SampleVotes, Span, VoteCounts};
 
 /// What was cut by hand, apart from what rules dropped.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -139,7 +138,7 @@ impl CameraEdits<'_> {
         &self,
         image: &SampleImage,
         own: &SampleImage,
-        votes: &[Votes],
+        votes: &[VoteCounts],
         marks: &[ImageMarks],
     ) -> Result<Left> {
         let acting = self.acting(image.span);

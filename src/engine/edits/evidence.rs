@@ -1,14 +1,14 @@
 //! What of a region's questions only the image of a sample answers.
 
-use super::seen::{ImageMarks, Seen, Votes};
+use super::seen::{ImageMarks, Seen};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
-use crate::samples::{Sample, SampleImage};
+use crate::samples::{Sample, SampleImage, VoteCounts};
 
 /// An image with what is known of its samples.
 pub(super) struct Evidence<'a> {
     image: &'a SampleImage,
-    votes: &'a [Votes],
+    votes: &'a [VoteCounts],
     marks: &'a [ImageMarks],
 }
 
@@ -17,7 +17,7 @@ impl<'a> Evidence<'a> {
     /// `Invalid` where normals are asked for and the image has none.
     pub(super) fn new(
         image: &'a SampleImage,
-        votes: &'a [Votes],
+        votes: &'a [VoteCounts],
         marks: &'a [ImageMarks],
         asks_for_normals: bool,
         camera: &Camera,

@@ -33,11 +33,8 @@ mod region_test;
 mod removed_pixels;
 mod seen;
 mod tile;
-mod votes;
 
 pub use apply::{CutByHand, EditedImages, cut, edit_samples, edit_tinted, selected};
 pub use list::{Action, Edit, EditList, Reach};
 pub use region::{Outline, Region, Stroke, Viewpoint};
 pub use removed_pixels::{count_removed_pixels, edited_capture, with_cameras_left, without_removed_pixels};
-pub use seen::Votes;
-pub use votes::SampleVotes;

@@ -5,9 +5,10 @@ use half::f16;
 
 use super::drawn_area::DrawnArea;
 use super::region::Region;
-use super::seen::{Seen, Votes};
+use super::seen::Seen;
 use crate::capture::{Camera, Intrinsics, PixelSide, ValueChannel};
 use crate::color::{linear_from_srgb, srgb_from_linear};
+use crate::samples::VoteCounts;
 
 /// A region for samples of one camera.
 #[derive(Clone, Debug)]
@@ -201,9 +202,9 @@ impl RegionTest {
                 is_in_range && lens.project(in_camera).is_some_and(|pixel| area.contains(pixel))
             }
             Self::Doubtful => seen.is_doubtful,
-            Self::Contradicted => seen.votes.contradict(),
-            Self::ConfirmedByFewerThan(count) => u32::from(seen.votes.confirm) < *count,
-            Self::SeenByOneCamera => seen.votes == Votes::default(),
+            Self::Contradicted => seen.votes.contradict(1, false),
+            Self::ConfirmedByFewerThan(count) => seen.votes.confirm < *count,
+            Self::SeenByOneCamera => seen.votes == VoteCounts::default(),
             Self::Angle { most_cosine, least_cosine } => {
                 let toward_camera = -seen.direction_in_world.normalize_or_zero();
                 let cosine = seen.normal_in_world.dot(toward_camera);

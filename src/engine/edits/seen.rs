@@ -4,23 +4,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use half::f16;
 
 use crate::capture::{Camera, Intrinsics};
-
-/// How many other cameras say what of a sample. The sky counts as confirmed by all: depth tells nothing of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Votes {
-    /// Those that see its surface, at most 255.
-    pub confirm: u8,
-    /// Those that see only farther ones, at most 255.
-    pub look_past: u8,
-}
-
-impl Votes {
-    /// Whether more cameras look past it than confirm it, its own among the latter.
-    #[must_use]
-    pub fn contradict(self) -> bool {
-        self.look_past > self.confirm.saturating_add(1)
-    }
-}
+use crate::samples::VoteCounts;
 
 /// Which samples of an image are in a region that depends on other samples; `None` where none is.
 pub(super) type ImageMarks = Option<Box<[bool]>>;
@@ -41,7 +25,7 @@ pub(super) struct Seen<'a> {
     /// Unit normal in world space; 0 where there is none.
     pub(super) normal_in_world: DVec3,
     /// What other cameras say.
-    pub(super) votes: Votes,
+    pub(super) votes: VoteCounts,
     /// Linear Rec.709.
     pub(super) color: [f16; 3],
     /// Scalar values, one a channel; none where there are none.
@@ -87,7 +71,7 @@ impl PixelRays {
             },
             is_doubtful: false,
             normal_in_world: DVec3::ZERO,
-            votes: Votes::default(),
+            votes: VoteCounts::default(),
             color: [f16::ZERO; 3],
             values: &[],
             marks: &[],

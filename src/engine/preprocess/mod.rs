@@ -24,12 +24,14 @@ pub mod parts;
 mod prepared_scan;
 pub mod pruning;
 pub mod registration;
+mod sample_votes;
 pub mod temporal;
 mod traversal;
 
 pub(crate) use layers::{Rate, ViewingRays, footprint};
 pub use prepared_scan::PreparedScan;
 pub(crate) use prepared_scan::{better_conventions, edited_cache_bytes};
+pub use sample_votes::votes_on;
 pub(crate) use traversal::prune_run;
 
 use std::sync::{Arc, OnceLock};
@@ -40,7 +42,7 @@ use rayon::prelude::*;
 use crate::alignment::Alignment;
 use crate::capture::overlap::OverlapGraph;
 use crate::capture::{Camera, Capture};
-use crate::edits::{self, CutByHand, EditList, EditedImages, SampleVotes};
+use crate::edits::{self, CutByHand, EditList, EditedImages};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
@@ -150,11 +152,8 @@ pub(crate) fn cut_by_hand(
     }
     let BufferedResult { outline, images, mut report } = pruned;
     let left_out = edits.cameras_left_out();
-    let votes = if edits.asks_for_votes() {
-        Some(SampleVotes::of(&images, &outline.cameras, capture, job)?)
-    } else {
-        None
-    };
+    let votes =
+        if edits.asks_for_votes() { Some(votes_on(&images, &outline.cameras, capture, job)?) } else { None };
     let EditedImages { images, dropped, dropped_pixels, .. } =
         edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits")?;
     for (camera, removed) in report.cameras.iter_mut().zip(removed) {

@@ -10,6 +10,7 @@ mod record_stream;
 mod sample_set;
 mod spill_file;
 mod tile;
+mod votes;
 
 pub(crate) use coarser::halved_camera;
 pub use depth_plane::{DepthPlane, DepthTile, TILE_SAMPLES, TileDepths};
@@ -20,3 +21,4 @@ pub use record_stream::{ReadSeek, RecordReader, RecordWriter};
 pub use sample_set::{SampleImage, SampleSet, Span};
 pub(crate) use spill_file::{Record, RecordPlace, SpillFile, samples_in_memory};
 pub use tile::{Sample, SampleTile, TILE, TileMask};
+pub use votes::{SampleVotes, Vote, VoteCounts};

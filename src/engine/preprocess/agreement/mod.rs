@@ -15,5 +15,4 @@ pub(crate) use consensus::{AgreedSample, Consensus};
 pub(crate) use measure::{NoiseLattice, measure_noise_between, where_most_are_noisy};
 pub use sample_agreement::SampleAgreement;
 pub(crate) use smooth_depth::SmoothDepths;
-pub use votes::{Vote, VoteCounts};
 pub(crate) use votes::{VoteTest, VotedRun};

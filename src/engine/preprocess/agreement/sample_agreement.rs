@@ -1,6 +1,6 @@
 //! The outcome of the votes on a sample, for display.
 
-use super::votes::VoteCounts;
+use crate::samples::VoteCounts;
 
 /// Whether other cameras agree with a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

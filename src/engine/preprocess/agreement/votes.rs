@@ -21,46 +21,8 @@ use crate::preprocess::registration::{
     HAS_DEPTH, IN_VIEW, NEARER, ON_SURFACE, PixelRun, SameSurface, SourceRun, TargetRun,
 };
 use crate::preprocess::temporal::{ROOT, SpanLevel};
+use crate::samples::{Vote, VoteCounts};
 use crate::settings::{AgreementRule, PruningMethod, Settings};
-
-/// The vote of one camera on a sample of another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Vote {
-    /// It sees the surface where the sample has it, whatever its normal and color.
-    Confirms,
-    /// It sees only farther surfaces there.
-    LooksPast,
-    /// It does not look there, something is in the way, or it may have missed the surface.
-    CannotTell,
-}
-
-/// The numbers of other cameras that vote for and against a sample.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct VoteCounts {
-    /// Those that confirm it.
-    pub confirm: u32,
-    /// Those that look past it.
-    pub look_past: u32,
-}
-
-impl VoteCounts {
-    /// With one more vote.
-    #[must_use]
-    pub(crate) fn with(mut self, vote: Vote) -> Self {
-        self.confirm += u32::from(vote == Vote::Confirms);
-        self.look_past += u32::from(vote == Vote::LooksPast);
-        self
-    }
-
-    /// Whether by `margin` more cameras look past the sample than confirm it. Its own camera is one of these.
-    /// For a flying pixel the own camera counts among those that look past it, since it saw what is in front and what is behind.
-    #[must_use]
-    pub fn contradict(self, margin: u32, is_flying: bool) -> bool {
-        let (confirm, look_past) =
-            (self.confirm + u32::from(!is_flying), self.look_past + u32::from(is_flying));
-        look_past >= confirm + margin
-    }
-}
 
 /// A pixel of the target may be this many times as large as the sample's own: a surface that the sample shows cannot slip between.
 pub(super) const RESOLVES: f32 = 2.0;

@@ -7,9 +7,10 @@ use super::pixel_report::{CameraEvidence, PairQuantities};
 use crate::capture::Camera;
 use crate::capture::overlap::OverlapGraph;
 use crate::color::steps_from_linear;
-use crate::preprocess::agreement::{Vote, VoteTest};
+use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::{CameraLayer, Rate, ViewingRays, footprint, has_unknown_normal, is_mixed};
 use crate::preprocess::registration::{Outcome, SameSurface};
+use crate::samples::Vote;
 
 /// A pixel of a layer.
 #[derive(Clone, Copy)]

@@ -11,11 +11,11 @@ use super::explained_sample::ExplainedSample;
 use super::frame::FrameInspection;
 use super::pixel_report::{ChainLink, PairQuantities, PixelExplanation};
 use crate::capture::overlap::OverlapGraph;
-use crate::preprocess::agreement::{VoteCounts, VoteTest};
+use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{Candidate, Rule, Verdict, decide};
 use crate::preprocess::registration::{Outcome, SameSurface};
-use crate::samples::{SampleSet, Span, TILE};
+use crate::samples::{SampleSet, Span, TILE, VoteCounts};
 
 /// The explanation of pixel `(x, y)` of camera `camera`; `None` where there is no such pixel.
 #[must_use]

@@ -2,10 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::preprocess::agreement::{Vote, VoteCounts};
 use crate::preprocess::pruning::Verdict;
 use crate::preprocess::registration::Outcome;
 use crate::preprocess::temporal::PixelClass;
+use crate::samples::{Vote, VoteCounts};
 
 /// What one camera shows of a surface point. Lengths are in the capture's unit; what is not known is NaN.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,7 @@ use super::candidate_lists::{
 use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
-use crate::preprocess::agreement::{VoteCounts, VoteTest};
+use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::{CameraLayer, Rank, is_mixed};
 use crate::preprocess::pruning::{
     BAND_ROWS, ColumnBounds, OtherCamera, Rule, Verdict, is_better, is_dropped_as_mixed, lanes_at,
@@ -23,6 +23,7 @@ use crate::preprocess::registration::{
     IN_VIEW, PixelRun, ReprojectedRun, RequiredTolerances, SameSurface, SourceRun, TargetRun,
 };
 use crate::preprocess::temporal::{NO_SAMPLE, ROOT, SpanLevel};
+use crate::samples::VoteCounts;
 use crate::settings::Settings;
 use crate::simd::{self, LANES, VectorLoop};
 

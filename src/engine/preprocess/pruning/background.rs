@@ -30,11 +30,25 @@ pub(crate) fn rated(
         Ok(layer)
     });
     let mut rated: Vec<CameraLayer> = rated.collect::<Result<_>>()?;
-    if settings.pruning.agreement != AgreementRule::Off && !capture.is_noise_free() {
-        let noise = measure_noise_between(&OverlapGraph::complete(&capture.cameras), &rated, job)?;
-        rated.iter_mut().zip(noise).for_each(|(layer, noise)| layer.noise_between = noise);
-    }
+    measure_others_noise(&mut rated, capture, settings, job)?;
     Ok(rated)
+}
+
+/// Notes in each layer how noisy it is beside those of other cameras, where cameras vote.
+///
+/// # Errors
+/// `Cancelled`.
+pub(crate) fn measure_others_noise(
+    layers: &mut [CameraLayer],
+    capture: &Capture,
+    settings: &Settings,
+    job: &Job,
+) -> Result<()> {
+    if settings.pruning.agreement != AgreementRule::Off && !capture.is_noise_free() {
+        let noise = measure_noise_between(&OverlapGraph::complete(&capture.cameras), layers, job)?;
+        layers.iter_mut().zip(noise).for_each(|(layer, noise)| layer.noise_between = noise);
+    }
+    Ok(())
 }
 
 /// Every camera's static pixels with normals, not rated yet: no pruning threshold touches them.

@@ -11,9 +11,10 @@ use super::best_candidate::{
 };
 use super::decision::{Rule, Verdict};
 use super::pass::{DROPPED, KEPT, PruningPass};
-use crate::preprocess::agreement::{VoteCounts, VotedRun};
+use crate::preprocess::agreement::VotedRun;
 use crate::preprocess::layers::{Rank, RatedSamples, SampleRun};
 use crate::preprocess::registration::{PixelRun, SourceRun};
+use crate::samples::VoteCounts;
 use crate::settings::PruningMethod;
 use crate::simd::{LANES, VectorLoop};
 

@@ -14,7 +14,7 @@ mod pass;
 mod search;
 mod span_stack;
 
-pub(crate) use background::{StaticLayer, rated, static_layer, static_layers};
+pub(crate) use background::{StaticLayer, measure_others_noise, rated, static_layer, static_layers};
 pub(crate) use best_candidate::{ColumnBounds, OtherCamera, lanes_at, other_cameras};
 pub(crate) use coverage::{Prepared, Preparing, Resolved, Unsettled, resolve_camera, settle_all};
 pub(crate) use decision::{

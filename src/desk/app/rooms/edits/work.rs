@@ -12,11 +12,12 @@ use crate::app::theme::Tokens;
 use crate::app::work::slot::Wanted;
 use overlook_engine::color::linear_from_srgb;
 use overlook_engine::edits::{
-    Action, CutByHand, Edit, EditList, Region, SampleVotes, edit_samples, edit_tinted, selected,
+    Action, CutByHand, Edit, EditList, Region, edit_samples, edit_tinted, selected,
 };
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use overlook_engine::samples::{ImageBuffer, SampleImage, SampleSet};
+use overlook_engine::preprocess::votes_on;
+use overlook_engine::samples::{ImageBuffer, SampleImage, SampleSet, SampleVotes};
 
 impl Wanted for EditKey {
     /// Edits applied to the samples, with what is selected of them.
@@ -107,7 +108,7 @@ impl SampleEditor {
         let Some(capture) = key.scan.as_ref().map(|scan| scan.capture()).or(key.scene.capture()) else {
             return Ok(None);
         };
-        let votes = SampleVotes::of(&ImageBuffer::of(&base.images), &base.cameras, capture, job)?;
+        let votes = votes_on(&ImageBuffer::of(&base.images), &base.cameras, capture, job)?;
         let votes = Arc::new(votes);
         self.votes = Some((base.clone(), votes.clone()));
         Ok(Some(votes))

@@ -7,10 +7,10 @@ use crate::app::model::text;
 use crate::app::rooms::cameras::model::CameraText;
 use overlook_engine::capture::Camera;
 use overlook_engine::plural::{counted, either};
-use overlook_engine::preprocess::agreement::{Vote, VoteCounts};
 use overlook_engine::preprocess::inspect::{CameraEvidence, ChainLink};
 use overlook_engine::preprocess::pruning::{Rule, Verdict};
 use overlook_engine::preprocess::registration::Outcome;
+use overlook_engine::samples::{Vote, VoteCounts};
 use overlook_engine::settings::{AgreementRule, PruningSettings};
 
 /// A verdict as a sentence that names the witness and where it is.
