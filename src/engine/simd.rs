@@ -45,6 +45,12 @@ fn best_level() -> usize {
     0
 }
 
+/// The widest instructions that this processor has, by name.
+#[must_use]
+pub fn widest() -> &'static str {
+    ["portable", "avx2", "avx512"][best_level()]
+}
+
 /// The level that hot loops use.
 fn level() -> usize {
     LIMIT.load(Ordering::Relaxed).min(best_level())

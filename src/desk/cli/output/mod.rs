@@ -29,6 +29,6 @@ pub(crate) use study::{
     write_error_map, write_page,
 };
 pub(crate) use text::{
-    bytes, count, count_of, cut_by_hand, number, percent, print, print_error, print_json, print_parts, warn,
+    bytes, count, count_of, cut_by_hand, percent, print, print_error, print_json, print_parts, warn,
     warn_of_values, without_depth,
 };
