@@ -104,17 +104,18 @@ impl Imports {
     }
 }
 
-/// A file of the window by its layer: `rooms/live/work/carry.rs` as `work/live carry.rs`. Rooms are features. What is known, computed, changed
-/// and drawn are layers, which run through all of them.
+/// A file of the window by its layer: `rooms/live/work/image.rs` as `work/live image.rs`. Rooms are features. What is known (`state`) and asked
+/// (`mod.rs`), computed (`work`), changed (`control`, or files named by an idea) and drawn (`ui`) are layers, which run through all of them.
 pub(crate) fn by_layer(file: &str) -> String {
     let place = file.strip_prefix("desk/app/rooms/").and_then(|rest| rest.split_once('/'));
-    match place {
-        Some((_, "mod.rs")) | None => file.to_owned(),
-        Some((room, rest)) => match rest.split_once('/') {
-            Some((layer, file)) => format!("desk/app/{layer}/{room} {file}"),
-            None => format!("desk/app/{}/{room}.rs", rest.trim_end_matches(".rs")),
-        },
-    }
+    let Some((room, rest)) = place else { return file.to_owned() };
+    let role = rest.split(['/', '.']).next().unwrap_or_default();
+    let layer = match role {
+        "state" | "mod" => "model",
+        "work" | "ui" => role,
+        _ => "control",
+    };
+    format!("desk/app/{layer}/{room} {}", rest.replace('/', " "))
 }
 
 /// What of two files' paths lies in the deepest folder that holds both; `None` where one of them is that folder's `mod.rs` or `lib.rs`,

@@ -231,7 +231,7 @@ fn a_planted_circle_between_a_file_and_a_folder_is_found() {
     let folder = ("desk/app/control/mod.rs", "mod keys;\npub use keys::carry_out;");
     let keys = ("desk/app/control/keys.rs", "use crate::app::state::State;");
     let state = ("desk/app/state.rs", "pub struct State;");
-    let window = ("desk/app/window.rs", "use super::control::carry_out;\nuse super::state::State;");
+    let window = ("desk/app/start.rs", "use super::control::carry_out;\nuse super::state::State;");
     let right = [root, app, folder, keys, state, window];
     assert_eq!(planted(&right).circles_of_neighbors(), Vec::<Vec<String>>::new());
     // No file imports from itself through others here, and yet the folder and the file need each other.

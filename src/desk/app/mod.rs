@@ -11,30 +11,30 @@
 //! and asks the workers for what is missing; its `ui` only draws. `model` holds the data, `work` computes and `control` changes
 //! the state. What a feature adds to each of them, and how it is drawn, lies in one folder of `rooms`.
 
-mod camera_chips;
 mod camera_cues;
 mod colormap;
 mod control;
 mod dock;
 mod model;
 mod pace;
+pub(crate) mod picture_menu;
 mod rooms;
 mod start;
 mod theme;
 mod widgets;
-mod window;
 mod work;
 
 #[cfg(test)]
 mod tests;
 
+pub(crate) use crate::app::model::look::Unit;
+pub(crate) use crate::app::model::picture::Overlay;
 pub(crate) use crate::app::model::pivot_of_store;
-pub(crate) use crate::app::rooms::live::model::Unit;
-pub(crate) use crate::app::rooms::share::model::{DOTS_PER_INCH, FigureOptions, FigureWidth};
-pub(crate) use crate::app::rooms::share::work::{
-    FIGURE_ENDINGS, of_camera as figure_of_camera, of_rendered as figure_of_rendered, write as write_figure,
+pub(crate) use crate::app::model::purpose::{DOTS_PER_INCH, FigureOptions, FigureWidth};
+pub(crate) use crate::app::rooms::files::work::FIGURE_ENDINGS;
+pub(crate) use crate::app::rooms::share::work::pictures::{
+    of_camera as figure_of_camera, of_rendered as figure_of_rendered, write as write_figure,
 };
-pub(crate) use crate::app::rooms::source::model::Overlay;
 
 pub use crate::app::control::{Observed, OverlookApp, Start};
 pub use crate::app::start::run;

@@ -1,11 +1,26 @@
-//! Opens the window, with the renderer that suits the machine.
+//! Opens the window, with the renderer that suits the machine, and draws its bars, views and dialogs. Areas borrow the state and send commands.
 
 use std::path::PathBuf;
 
+use egui::{CentralPanel, Frame, Margin, Panel};
+use egui_material_icons::icons::{ICON_FOLDER_OPEN, ICON_HOURGLASS_TOP};
 use winit::event_loop::EventLoop;
 
-use crate::app::control::{OverlookApp, Start};
+use crate::app::control::{OverlookApp, Start, keyboard};
+use crate::app::dock::{Dock, DockPart};
+use crate::app::model::command::{FileCommand, Opening, WindowCommand};
+use crate::app::model::purpose::Purpose;
+use crate::app::model::window::DockView;
+use crate::app::model::{Command, Commands, State, Stopwatch};
 use crate::app::pace::{LeastPeriod, PacedWindow};
+use crate::app::rooms::help::ui::palette::palette_ui;
+use crate::app::rooms::live::ui::panel::view_panel_ui;
+use crate::app::rooms::{
+    cameras, charts, colors, compare, edits, files, frame, help, live, path, pixel, readings, report,
+    settings, share, source, timeline,
+};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::empty_ui;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::gpu::device_descriptor;
 
@@ -86,4 +101,137 @@ fn has_graphics_card() -> bool {
             wgpu::DeviceType::DiscreteGpu | wgpu::DeviceType::IntegratedGpu | wgpu::DeviceType::VirtualGpu
         )
     })
+}
+
+impl eframe::App for OverlookApp {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.between_pictures(ctx);
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let watch = Stopwatch::start();
+        keyboard::commands(ui, &self.state, &mut self.commands);
+        window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
+        self.after_picture();
+        self.state.inspector.meter.ui(watch.spent());
+    }
+
+    /// What lies between the views: filling it once more would cost a tenth of the window where no graphics card draws it.
+    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
+        Tokens::of(self.state.dark).background.to_normalized_gamma_f32()
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        self.remember(storage);
+    }
+}
+
+pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    let bar = Frame::new().fill(tokens.surface).inner_margin(Margin::symmetric(space::PANEL, 0));
+    Panel::top("top bar")
+        .exact_size(space::TOP_BAR)
+        .frame(bar)
+        .show(ui, |ui| frame::ui::top_bar_ui(ui, state, commands));
+    if state.doc.scene.is_some() && !state.look.hides_totals && state.look.maximized.is_none() {
+        Panel::top("totals")
+            .exact_size(space::TOTALS)
+            .frame(bar)
+            .show(ui, |ui| report::ui::totals_ui(ui, state, commands));
+    }
+    files::ui::introduction_ui(ui, state, commands);
+    Panel::bottom("status")
+        .exact_size(space::STATUS)
+        .frame(bar)
+        .show(ui, |ui| frame::ui::status_ui(ui, state, commands));
+    if state.has_time() {
+        Panel::bottom("timeline")
+            .exact_size(space::TIMELINE)
+            .frame(bar.inner_margin(Margin::symmetric(space::PANEL, 4)))
+            .show(ui, |ui| timeline::ui::timeline_ui(ui, state, commands));
+    }
+    CentralPanel::no_frame().frame(Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO })).show(
+        ui,
+        |ui| {
+            if state.doc.scene.is_none() {
+                nothing_open_ui(ui, state, commands);
+            } else {
+                let resized = dock.ui(ui, state.look.maximized, |ui, view, part| match (part, view) {
+                    (DockPart::Contents, _) => view_ui(ui, view, state, commands),
+                    (DockPart::TabBar, DockView::Source) => source::ui::cameras_ui(ui, state, commands),
+                    (DockPart::TabBar, DockView::Live) => live::ui::go_to_camera_ui(ui, state, commands),
+                    (DockPart::TabBar, _) => {}
+                });
+                commands.extend(resized.map(|view| Command::Window(WindowCommand::Maximize(Some(view)))));
+            }
+        },
+    );
+    frame::ui::notices_ui(ui.ctx(), state, commands);
+    share::ui::share_ui(ui.ctx(), state, commands);
+    files::ui::path_field_ui(ui.ctx(), state, commands);
+    settings::ui::naming_ui(ui.ctx(), state, commands);
+    palette_ui(ui.ctx(), state, commands);
+    help::ui::help_ui(ui.ctx(), state, commands);
+    readings::ui::readings_ui(ui.ctx(), state, commands);
+    charts::ui::question_ui(ui.ctx(), state, commands);
+    files::ui::closing_ui(ui.ctx(), state, commands);
+    drop_hint_ui(ui);
+}
+
+pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Commands) {
+    match view {
+        DockView::Source => source::ui::source_view_ui(ui, state, commands),
+        DockView::Live => live::ui::live_view_ui(ui, state, commands),
+        DockView::Compare => compare::ui::compare_view_ui(ui, state, commands),
+        DockView::Color => colors::ui::color_panel_ui(ui, state, commands),
+        DockView::Edits => edits::ui::edits_ui(ui, state, commands),
+        DockView::View => view_panel_ui(ui, state, commands),
+        DockView::Path => path::ui::path_ui(ui, state, commands),
+        DockView::Tradeoff => charts::ui::tradeoff_ui(ui, state, commands),
+        DockView::Stability => charts::ui::stability_ui(ui, state, commands),
+        DockView::Pixel => pixel::ui::pixel_view_ui(ui, state, commands),
+        DockView::Cameras => cameras::ui::cameras_view_ui(ui, state, commands),
+        DockView::Matrix => report::ui::matrix_view_ui(ui, state, commands),
+        DockView::Time => timeline::ui::time_ui(ui, state, commands),
+        DockView::Memory => report::ui::memory_ui(ui, state, commands),
+        DockView::Thresholds => settings::ui::settings_ui(ui, state, commands),
+        DockView::Report => report::ui::report_ui(ui, state, commands),
+        DockView::Log => frame::ui::log_ui(ui, state),
+    }
+}
+
+fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {
+    if let Some(opening) = &state.opening {
+        empty_ui(ui, ICON_HOURGLASS_TOP, &format!("Opening {opening}"), "Reading the first frame.", |ui| {
+            ui.add(egui::Spinner::new().size(22.0));
+        });
+        return;
+    }
+    let text = "Open the folder of a capture as its program or app wrote it, or a store that was saved before. \
+                You can also drop it on this window.";
+    empty_ui(ui, ICON_FOLDER_OPEN, "Nothing is open", text, |ui| {
+        for (name, command) in [
+            ("Open folder…", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
+            ("Open file…", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
+            ("Open the demo", Command::File(FileCommand::Open(Opening::Room))),
+        ] {
+            if ui.button(name).clicked() {
+                commands.push(command);
+            }
+        }
+        files::ui::recent_ui(ui, state, commands);
+    });
+}
+
+fn drop_hint_ui(ui: &egui::Ui) {
+    if ui.ctx().input(|input| input.raw.hovered_files.is_empty()) {
+        return;
+    }
+    let tokens = Tokens::in_ui(ui);
+    let painter =
+        ui.ctx().layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop hint")));
+    let area = ui.ctx().content_rect();
+    painter.rect_filled(area, 0.0, tokens.scrim);
+    let font = egui::TextStyle::Heading.resolve(ui.style());
+    painter.text(area.center(), egui::Align2::CENTER_CENTER, "Drop to open", font, tokens.on_scrim);
 }

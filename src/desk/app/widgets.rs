@@ -2,17 +2,19 @@
 
 use std::collections::HashMap;
 
+use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Button, Color32, ComboBox, Key, Painter, Rect, RectAlign, Response, RichText, ScrollArea, Sense,
-    TextEdit, TextWrapMode, TextureId, Ui, Vec2, pos2,
+    Button, Color32, ComboBox, FontId, Key, Painter, Rect, RectAlign, Response, RichText, ScrollArea, Sense,
+    TextEdit, TextStyle, TextWrapMode, TextureHandle, TextureId, Ui, Vec2, pos2, vec2,
 };
 use egui_material_icons::MaterialIcon;
 
-use crate::app::camera_cues;
+use crate::app::model::command::FileCommand;
+use crate::app::model::purpose::{Purpose, Table, TableForm};
+use crate::app::model::text::{CameraText, TextPart};
 use crate::app::model::{Command, Commands};
-use crate::app::rooms::files::model::{FileCommand, Purpose};
-use crate::app::rooms::report::model::{Table, TableForm};
 use crate::app::theme::{Tokens, space};
+use crate::app::{camera_cues, colormap};
 use overlook_engine::capture::Camera;
 
 /// Size of a button with an icon.
@@ -84,7 +86,7 @@ const SEGMENT_PADDING: [f32; 2] = [2.0, 5.0];
 
 /// Width of a row of choices with no space beside their names, points.
 fn width_of_names<'a>(ui: &Ui, names: impl IntoIterator<Item = &'a str>) -> f32 {
-    let font = egui::FontId::proportional(SEGMENT_TEXT);
+    let font = FontId::proportional(SEGMENT_TEXT);
     let width = |name: &str| {
         ui.painter().layout_no_wrap(name.to_owned(), font.clone(), Color32::WHITE).size().x.ceil()
     };
@@ -297,4 +299,64 @@ pub(crate) fn points_at_picture(ctx: &egui::Context) -> bool {
     let pass = ctx.cumulative_pass_nr();
     let is_under = |(area, drawn): &(Rect, u64)| drawn + 1 >= pass && area.contains(pointer);
     drawn_pictures(ctx, |pictures| pictures.values().any(is_under))
+}
+
+/// How far the color of a chip reaches beyond the letters, points.
+const MARGIN: f32 = 2.0;
+
+/// A text ready to be shown, wrapped or cut off by its label.
+pub(crate) fn chips(
+    ui: &Ui,
+    text: &CameraText,
+    cameras: &[Camera],
+    style: &TextStyle,
+    color: Color32,
+) -> LayoutJob {
+    let font = style.resolve(ui.style());
+    let mut job = LayoutJob::default();
+    for part in text.parts() {
+        match part {
+            TextPart::Words(words) => job.append(words, 0.0, TextFormat::simple(font.clone(), color)),
+            TextPart::Camera(index) => {
+                let Some(camera) = cameras.get(*index) else { continue };
+                job.append(&camera.name, MARGIN, chip(*index, font.clone()));
+                // Room for the margin on the other side.
+                job.append("", MARGIN, TextFormat::simple(font.clone(), color));
+            }
+        }
+    }
+    job
+}
+
+/// How the name of a camera looks.
+fn chip(index: usize, font: FontId) -> TextFormat {
+    let background = camera_cues::color(index);
+    TextFormat { background, expand_bg: MARGIN, ..TextFormat::simple(font, colormap::text_on(background)) }
+}
+
+pub(crate) fn heading_ui(ui: &mut Ui, name: &str) {
+    ui.add_space(space::MEDIUM);
+    ui.label(RichText::new(name).strong());
+}
+
+/// Columns and rows of a picture, points.
+const VIEW_PICTURE: Vec2 = vec2(58.0, 39.0);
+
+/// The small picture of a view that is called `name`; true where it was clicked.
+pub(crate) fn view_picture_ui(ui: &mut Ui, shown: Option<&TextureHandle>, name: &str) -> bool {
+    let tokens = Tokens::in_ui(ui);
+    let (room, response) = ui.allocate_exact_size(VIEW_PICTURE, Sense::click());
+    let name = format!("Go to {name}");
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    ui.painter().rect_filled(room, 3.0, tokens.canvas);
+    if let Some(texture) = shown {
+        let size = texture.size_vec2();
+        let scale = (room.width() / size.x).min(room.height() / size.y);
+        picture(ui.painter(), texture.id(), Rect::from_center_size(room.center(), size * scale));
+    }
+    if response.hovered() || response.has_focus() {
+        let stroke = egui::Stroke::new(2.0, tokens.accent);
+        ui.painter().rect_stroke(room, 3.0, stroke, egui::StrokeKind::Inside);
+    }
+    response.on_hover_text(name).clicked()
 }

@@ -6,17 +6,15 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 use overlook_engine::edits::Action;
 
+use crate::app::model::command::{
+    EditCommand, EditTool, EditTools, FileCommand, KeptViewCommand, PathCommand, PixelCommand, SourceCommand,
+    ViewCommand, WindowCommand,
+};
+use crate::app::model::purpose::Purpose;
+use crate::app::model::ways_out::{ShareCommand, ShareWay};
+use crate::app::model::window::{Area, CommandPalette, HelpPage, Workspace};
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::edits::model::{EditCommand, EditTool, EditTools};
-use crate::app::rooms::files::model::{FileCommand, Purpose};
-use crate::app::rooms::frame::model::{Area, WindowCommand, Workspace};
-use crate::app::rooms::help::model::{CommandPalette, HelpPage};
-use crate::app::rooms::live::model::{KeptViewCommand, ViewCommand};
-use crate::app::rooms::path::model::PathCommand;
-use crate::app::rooms::pixel::model::PixelCommand;
-use crate::app::rooms::share::model::{ShareCommand, ShareWay};
-use crate::app::rooms::source::model::SourceCommand;
-use crate::app::rooms::timeline::model::{TimeCommand, Timeline};
+use crate::app::rooms::timeline::{TimeCommand, Timeline};
 
 /// Distance flown per second, in pivot distances.
 const FLY_PER_SECOND: f64 = 0.6;

@@ -3,7 +3,7 @@
 use egui::Vec2;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 
-use crate::app::rooms::frame::model::{DockView, Workspace};
+use crate::app::model::window::{DockView, Workspace};
 
 /// Width of the side panel: its share of the window's, and at most, in points. Beyond that pictures gain more.
 const SIDE_SHARE: f32 = 0.26;

@@ -3,16 +3,19 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::app::rooms::files::model::session::Session;
+use crate::app::rooms::files::state::Session;
 use overlook_engine::capture::{Camera, Capture, TruthView, pivot};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::median::median_f32;
-use overlook_engine::preprocess::diagnostics::Report;
+use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
+use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::samples::SampleSet;
+use overlook_engine::settings::{CaptureSettings, RenderSettings, Settings};
 use overlook_engine::store::playback::Playback;
 
 static NEXT_ID: AtomicU64 = AtomicU64::new(1);
@@ -176,6 +179,62 @@ pub(crate) fn pivot_of_store(playback: &Playback, job: &Job) -> Result<DVec3> {
 pub(crate) fn median_depth(inverse_depth: &[f32]) -> f64 {
     let mut finite: Vec<f32> = inverse_depth.iter().copied().filter(|w| *w > 0.0).collect();
     median_f32(&mut finite).map_or(1.0, |inverse_depth| 1.0 / f64::from(inverse_depth))
+}
+
+/// The whole capture, pruned.
+pub(crate) struct Whole {
+    pub samples: Arc<SampleSet>,
+    pub report: Arc<Report>,
+    pub settings: Settings,
+}
+
+/// One frame, pruned, with reasons.
+pub(crate) struct Inspected {
+    pub inspection: Arc<FrameInspection>,
+    pub settings: Settings,
+    /// Whether it was known what is the same over all frames.
+    pub with_scan: bool,
+    /// Pixels of each camera that represent themselves.
+    pub kept: Vec<u64>,
+    /// What became of all pixels of the frame.
+    pub account: PixelAccount,
+    /// When it was done.
+    pub at: Instant,
+}
+
+/// How accurate the kept samples are where the truth is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Accuracy {
+    /// Mean PSNR of the kept samples, dB.
+    pub psnr_db: f64,
+    /// Mean PSNR of all samples, nothing pruned, dB.
+    pub unpruned_psnr_db: f64,
+    pub views: usize,
+}
+
+/// Memory of one camera's samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct CameraMemory {
+    pub samples: u64,
+    /// Bytes of samples that are stored for several frames.
+    pub lasting_bytes: u64,
+    /// Bytes of samples that are stored for one frame.
+    pub frame_bytes: u64,
+}
+
+/// Settings that are equal where they decide on the same samples.
+#[derive(Clone)]
+pub(crate) struct Method(pub Settings);
+
+impl PartialEq for Method {
+    fn eq(&self, other: &Self) -> bool {
+        method_of(&self.0) == method_of(&other.0)
+    }
+}
+
+/// The settings that decide which samples stay: those of painting and caching set to their defaults.
+pub(crate) fn method_of(settings: &Settings) -> Settings {
+    Settings { capture: CaptureSettings::default(), render: RenderSettings::default(), ..settings.clone() }
 }
 
 #[cfg(test)]

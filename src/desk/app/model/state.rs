@@ -1,31 +1,44 @@
 //! What the window knows. Panels borrow it and only read.
 
+use std::collections::{BTreeSet, VecDeque};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
+use egui::TextureHandle;
 use glam::DVec3;
 
-use crate::app::model::document::Document;
-use crate::app::model::inspector::Inspector;
-use crate::app::model::results::method_of;
-use crate::app::model::scene::{Content, SceneSource};
-use crate::app::rooms::colors::model::display::Display;
-use crate::app::rooms::files::model::command::Opening;
-use crate::app::rooms::files::model::purpose::TypedPath;
-use crate::app::rooms::files::model::recent::RecentPicture;
-use crate::app::rooms::frame::model::notice::Notice;
-use crate::app::rooms::frame::model::view::DockView;
-use crate::app::rooms::frame::model::workspace::WindowLook;
-use crate::app::rooms::help::model::HelpPage;
-use crate::app::rooms::live::model::look::{FIRST_SIZE, LiveLook};
-use crate::app::rooms::live::model::picture::{ColorBy, HoleDisplay, PixelSource};
-use crate::app::rooms::live::model::view_look::FrameGuide;
-use crate::app::rooms::share::model::share::ShareDialog;
-use crate::app::rooms::source::model::look::SourceLook;
-use crate::app::rooms::source::model::picture::Overlay;
-use crate::app::rooms::timeline::model::Timeline;
+use crate::app::model::command::Opening;
+use crate::app::model::frame_timer::Meter;
+use crate::app::model::look::{Display, FrameGuide, FrameValues};
+use crate::app::model::picture::{
+    ColorBy, HoleDisplay, LiveKey, LivePicture, Overlay, PixelSource, ShownCarried, SourceKey, SourcePicture,
+};
+use crate::app::model::purpose::TypedPath;
+use crate::app::model::scene::{
+    Accuracy, CameraMemory, Content, Inspected, OpenScene, SceneSource, Whole, method_of,
+};
+use crate::app::model::texture::Texture;
+use crate::app::model::undo::History;
+use crate::app::model::window::{
+    CommandPalette, DockView, HelpPage, LogLine, Notice, NoticeKind, WindowLook,
+};
+use crate::app::rooms::charts::state::Charts;
+use crate::app::rooms::compare::state::{CompareLook, PictureFolder, ShownComparison};
+use crate::app::rooms::edits::state::SceneEdits;
+use crate::app::rooms::files::state::RecentPicture;
+use crate::app::rooms::live::state::{FIRST_SIZE, KeptView, LiveLook, ViewHistory, ViewMotion, ViewPictures};
+use crate::app::rooms::path::CameraPath;
+use crate::app::rooms::pixel::state::InspectedPixel;
+use crate::app::rooms::readings::state::ReadingCheck;
+use crate::app::rooms::settings::{OwnPreset, ThresholdHistogram};
+use crate::app::rooms::share::state::ShareDialog;
+use crate::app::rooms::source::SourceLook;
+use crate::app::rooms::timeline::Timeline;
 use overlook_engine::capture::Camera;
 use overlook_engine::job::Progress;
+use overlook_engine::plural;
+use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::samples::SampleSet;
@@ -350,5 +363,151 @@ impl Default for State {
             chosen_ups: Vec::new(),
             busy: Vec::new(),
         }
+    }
+}
+
+/// A picture that is shown, and what it was made from.
+pub(crate) struct ShownPicture<K, P> {
+    /// What it was made from.
+    pub key: K,
+    pub picture: Arc<P>,
+    /// The picture on the graphics card.
+    pub texture: Texture,
+}
+
+/// What is open, and what is known of it. It ends with the scene: a new scene replaces it whole.
+#[derive(Default)]
+pub(crate) struct Document {
+    pub scene: Option<Arc<OpenScene>>,
+    /// The pass over all frames of the open capture.
+    pub scan: Option<Arc<PreparedScan>>,
+    /// The whole capture, pruned; perhaps by older settings.
+    pub whole: Option<Whole>,
+    /// Seconds that reading all frames took; `None` before they were read.
+    pub read_seconds: Option<f64>,
+    /// Whether the whole-capture work was stopped, by the person or as something could not be read.
+    pub stopped: bool,
+    /// The frame whose inspection failed last.
+    pub failed_frame: Option<usize>,
+    /// The frame last pruned with reasons.
+    pub inspected: Option<Inspected>,
+    /// When a setting was last changed that decides which samples stay; `None` where nothing waits for it to rest.
+    pub changed_at: Option<Instant>,
+    pub accuracy: Option<Accuracy>,
+    pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
+    /// How the live view moves.
+    pub motion: ViewMotion,
+    /// The live picture that was painted last.
+    pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
+    /// That picture carried to where the view is now, until a new one is painted.
+    pub live_carried: Option<ShownCarried>,
+    pub edits: SceneEdits,
+    pub probe: InspectedPixel,
+    /// Every camera small, in the capture's order; empty before the first.
+    pub thumbs: Vec<TextureHandle>,
+    /// What takes the memory, largest first; `None` before it was asked for.
+    pub memory: Option<Vec<CameraMemory>>,
+    /// The camera whose name in a legend is under the pointer.
+    pub isolated: Option<usize>,
+    /// The values that the live view showed in colors when it rested last; `None` before the panel of colors asked for them.
+    pub values: Option<FrameValues>,
+    /// The quantities that thresholds cut; empty before the first.
+    pub histograms: Vec<ThresholdHistogram>,
+    pub compared: Option<ShownComparison>,
+    /// Why there is none.
+    pub compare_error: Option<String>,
+    /// Pictures of other programs, to be compared with; of the open scene.
+    pub pictures: Vec<PictureFolder>,
+    pub path: CameraPath,
+    /// How the capture is read, and how it would fit better.
+    pub readings: ReadingCheck,
+    pub charts: Charts,
+    /// Views that were left by a jump.
+    pub views: ViewHistory,
+    /// Views that are kept.
+    pub kept_views: Vec<KeptView>,
+    /// Small pictures of views.
+    pub view_pictures: ViewPictures,
+    /// The settings of the store that was saved last of the open capture, at first those that it was opened with.
+    pub saved: Option<Settings>,
+    /// The reported parts of the open store that could not be read.
+    pub reported_damage: BTreeSet<String>,
+}
+
+impl Document {
+    /// What is known of a scene that was just opened with `settings`.
+    pub(crate) fn of(scene: Arc<OpenScene>, settings: &Settings) -> Self {
+        let saved = scene.capture().map(|_| settings.clone());
+        Self { scene: Some(scene), saved, ..Self::default() }
+    }
+
+    /// Work that is in no file and ends with the scene, in words; `None` without any.
+    pub(crate) fn unsaved_work(&self) -> Option<String> {
+        let counted = |count: usize, of: &str| (count > 0).then(|| plural::counted(count, of));
+        let charts = &self.charts;
+        let parts = [
+            counted(if self.path.is_saved() { 0 } else { self.path.keys.len() }, "key")
+                .map(|keys| format!("the camera path ({keys})")),
+            counted(charts.sweep.len(), "point").map(|points| format!("the sweep ({points})")),
+            counted(charts.stress.len(), "point").map(|points| format!("the stress test ({points})")),
+            charts.studying.then(|| "what is being measured".to_owned()),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| parts.join(", "))
+    }
+}
+
+/// Entries the log keeps.
+const LOG: usize = 500;
+
+/// What stands between the person and closing the window.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Closing {
+    /// Whether the question before closing is open.
+    pub asks: bool,
+    /// Whether the window closes without another question.
+    pub anyway: bool,
+    /// Whether a file, pictures or a video are being written.
+    pub writing: bool,
+}
+
+/// What the inspector knows.
+#[derive(Default)]
+pub(crate) struct Inspector {
+    pub history: History,
+    /// Presets of the person.
+    pub presets: Vec<OwnPreset>,
+    /// What a new preset is named so far, while it is named.
+    pub naming: Option<String>,
+    pub compare: CompareLook,
+    /// The command palette, while it is open.
+    pub palette: Option<CommandPalette>,
+    /// The page of help that is open.
+    pub help: Option<HelpPage>,
+    /// The setting to scroll to, by its path.
+    pub find_setting: Option<&'static str>,
+    /// The adapter that draws the window; `None` without one.
+    pub graphics: Option<String>,
+    /// Bytes that the window's device has allocated on it when *About* was opened, where its driver says.
+    pub graphics_memory: Option<u64>,
+    /// What the program held in memory when it was asked for, by part, bytes.
+    pub held_memory: Vec<(&'static str, u64)>,
+    /// Whether the introduction of the first run was read.
+    pub introduced: bool,
+    /// Whether the sentence about the room that comes with the program was read.
+    pub room_explained: bool,
+    /// What stands between the person and closing the window.
+    pub closing: Closing,
+    pub log: VecDeque<LogLine>,
+    pub meter: Meter,
+}
+
+impl Inspector {
+    /// Adds a line to the log.
+    pub(crate) fn log(&mut self, kind: NoticeKind, text: String) {
+        if self.log.len() == LOG {
+            self.log.pop_front();
+        }
+        self.log.push_back(LogLine { at: Instant::now(), kind, text });
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui_wgpu::RenderState;
-use egui::{ColorImage, TextureFilter, TextureHandle, TextureId, TextureOptions};
+use egui::{Color32, ColorImage, TextureFilter, TextureHandle, TextureId, TextureOptions};
 
 use overlook_engine::render::gpu::ScreenTexture;
 
@@ -101,4 +101,29 @@ fn filter_of(options: TextureOptions) -> wgpu::FilterMode {
 
 fn view_of(texture: &ScreenTexture) -> wgpu::TextureView {
     texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// Columns and rows that a small picture has at most.
+pub(crate) const RECENT_SIDES: [usize; 2] = [116, 78];
+
+/// The picture reduced by means over blocks of pixels until it fits; small pictures stay as they are.
+pub(crate) fn smaller(picture: &ColorImage) -> ColorImage {
+    let [width, height] = picture.size;
+    let side = width.div_ceil(RECENT_SIDES[0]).max(height.div_ceil(RECENT_SIDES[1])).max(1);
+    let size = [width / side, height / side];
+    let mean = |x: usize, y: usize| {
+        let mut sum = [0; 3];
+        for row in y * side..(y + 1) * side {
+            for color in &picture.pixels[row * width + x * side..row * width + (x + 1) * side] {
+                for (sum, value) in sum.iter_mut().zip(color.to_array()) {
+                    *sum += usize::from(value);
+                }
+            }
+        }
+        let [r, g, b] = sum.map(|sum| (sum / (side * side)) as u8);
+        Color32::from_rgb(r, g, b)
+    };
+    let pixels =
+        (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
+    ColorImage::new(size, pixels)
 }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::app::rooms::path::model::PathShape;
+use crate::app::rooms::path::PathShape;
 use overlook_engine::edits::EditList;
 use overlook_engine::settings::Settings;
 

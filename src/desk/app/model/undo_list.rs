@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
+use crate::app::model::setting_names::changes;
 use crate::app::model::state::State;
 use crate::app::model::undo::{Part, Undoable};
-use crate::app::rooms::edits::model::edits::named_change;
-use crate::app::rooms::settings::model::setting_names;
+use crate::app::rooms::edits::state::named_change;
 
 /// Changes that are listed.
 const LISTED: usize = 10;
@@ -61,13 +61,11 @@ fn named([before, after]: [&Undoable; 2]) -> String {
     match (before, after) {
         (Undoable::Edits(before), Undoable::Edits(after)) => named_change([before, after]),
         (Undoable::Path(before), Undoable::Path(after)) => before.named_change_to(after),
-        (Undoable::Settings(_, before), Undoable::Settings(_, after)) => {
-            match &setting_names::changes(before, after)[..] {
-                [] => "Settings".to_owned(),
-                [one] => one.clone(),
-                [first, others @ ..] => format!("{first}, and {} more", others.len()),
-            }
-        }
+        (Undoable::Settings(_, before), Undoable::Settings(_, after)) => match &changes(before, after)[..] {
+            [] => "Settings".to_owned(),
+            [one] => one.clone(),
+            [first, others @ ..] => format!("{first}, and {} more", others.len()),
+        },
         _ => String::new(),
     }
 }

@@ -1,5 +1,5 @@
-//! What the window does, one folder a feature: what is known of it (`model`), what is computed for it (`work`), how commands and answers
-//! change it (`control`), and how it is drawn (`ui`).
+//! What the window does, one folder a feature: what is known of it (`state`) and asked (`mod.rs`), what is computed for it (`work`), how
+//! commands and answers change it (`control`), and how it is drawn (`ui`).
 
 pub(crate) mod cameras;
 pub(crate) mod charts;

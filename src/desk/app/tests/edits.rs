@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::app::model::Command;
-use crate::app::rooms::edits::model::{Combine, EditCommand};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::live::model::ViewCommand;
+use crate::app::model::command::{Combine, EditCommand, ViewCommand};
+use crate::app::model::purpose::Purpose;
 use crate::app::tests::{OverlookApp, ready, settle, wait};
 use crate::pruned_store;
 use overlook_engine::capture;

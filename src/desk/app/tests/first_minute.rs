@@ -1,10 +1,10 @@
 //! What a window shows that nobody gave anything to open.
 
 use super::*;
+use crate::app::model::command::ViewCommand;
+use crate::app::model::window::Workspace;
 use crate::app::model::{Content, SceneSource};
-use crate::app::rooms::frame::model::Workspace;
-use crate::app::rooms::live::model::ViewCommand;
-use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::rooms::timeline::TimeCommand;
 
 #[test]
 fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_what_it_is_in_figures() {

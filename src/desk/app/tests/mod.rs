@@ -14,16 +14,18 @@ mod values;
 use std::time::{Duration, Instant};
 
 use crate::app::control::{OverlookApp, Start};
+use crate::app::model::command::{
+    ChartCommand, CompareCommand, Exported, FileCommand, PathCommand, PixelCommand, SettingsCommand,
+    ViewCommand,
+};
+use crate::app::model::purpose::Purpose;
+use crate::app::model::window::{DockView, NoticeKind};
 use crate::app::model::{Command, Message, WorkKind};
-use crate::app::rooms::charts::model::{ChartCommand, Study};
-use crate::app::rooms::compare::model::{CompareCommand, CompareSide};
-use crate::app::rooms::files::model::{FileCommand, Purpose};
-use crate::app::rooms::frame::model::{DockView, NoticeKind};
-use crate::app::rooms::live::model::ViewCommand;
-use crate::app::rooms::path::model::{CameraPath, Exported, PathCommand};
-use crate::app::rooms::pixel::model::{PixelCommand, Spot};
-use crate::app::rooms::settings::model::SettingsCommand;
-use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::rooms::charts::state::Study;
+use crate::app::rooms::compare::state::CompareSide;
+use crate::app::rooms::path::CameraPath;
+use crate::app::rooms::pixel::state::Spot;
+use crate::app::rooms::timeline::TimeCommand;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Error;
 use overlook_engine::render::NO_IMAGE;

@@ -4,9 +4,10 @@ use glam::DVec2;
 
 use crate::app::control::OverlookApp;
 use crate::app::model::Same;
+use crate::app::model::command::{PixelCommand, ViewCommand};
+use crate::app::model::picture::{CarriedLook, CarryKey, LiveKey, PixelSource};
 use crate::app::model::{Command, Message};
-use crate::app::rooms::live::model::{CarriedLook, CarryKey, LiveKey, PixelSource, ViewCommand};
-use crate::app::rooms::pixel::model::{PixelCommand, Spot};
+use crate::app::rooms::pixel::state::Spot;
 use crate::app::tests::{ready, settle};
 use overlook_engine::capture::Camera;
 

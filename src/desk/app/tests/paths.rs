@@ -4,15 +4,17 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::app::control::OverlookApp;
+use crate::app::model::command::{
+    ChartCommand, FileCommand, Opening, PathCommand, PixelCommand, ViewCommand,
+};
+use crate::app::model::look::{Background, Display};
+use crate::app::model::picture::ColorBy;
+use crate::app::model::purpose::{Purpose, Table};
+use crate::app::model::window::DockView;
 use crate::app::model::{Command, Message};
-use crate::app::rooms::charts::model::{ChartCommand, Study};
-use crate::app::rooms::colors::model::{Background, Display};
-use crate::app::rooms::files::model::{FileCommand, Opening, Purpose};
-use crate::app::rooms::frame::model::DockView;
-use crate::app::rooms::live::model::{ColorBy, ViewCommand};
-use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
-use crate::app::rooms::pixel::model::{PixelCommand, Spot};
-use crate::app::rooms::report::model::Table;
+use crate::app::rooms::charts::state::Study;
+use crate::app::rooms::path::SavedPathKey;
+use crate::app::rooms::pixel::state::Spot;
 use crate::app::tests::{change_path, ready, set_method, settle, start, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
 
@@ -28,7 +30,7 @@ fn asks_to_replace(app: &OverlookApp) -> bool {
 
 /// A path of two pictures.
 fn add_path(app: &mut OverlookApp) {
-    change_path(&mut app, None, |path| path.set_pictures_per_leg(1));
+    change_path(app, None, |path| path.set_pictures_per_leg(1));
     for _ in 0..2 {
         app.apply(Command::Path(PathCommand::AddKey));
     }

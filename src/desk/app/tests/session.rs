@@ -2,14 +2,15 @@
 
 use super::*;
 use crate::app::model::SceneSource;
-use crate::app::rooms::colors::model::{Background, Display};
-use crate::app::rooms::compare::model::{CompareMode, CompareVantage};
-use crate::app::rooms::files::model::{FileCommand, Opening};
-use crate::app::rooms::frame::model::{WindowCommand, Workspace};
-use crate::app::rooms::live::model::{ColorBy, HoleDisplay, KeptViewCommand, ViewCommand};
-use crate::app::rooms::path::model::{PathCommand, SavedPathKey};
-use crate::app::rooms::source::model::{Overlay, SourceCommand};
-use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::model::command::{
+    FileCommand, KeptViewCommand, Opening, PathCommand, SourceCommand, ViewCommand, WindowCommand,
+};
+use crate::app::model::look::{Background, Display};
+use crate::app::model::picture::{ColorBy, HoleDisplay, Overlay};
+use crate::app::model::window::Workspace;
+use crate::app::rooms::compare::state::{CompareMode, CompareVantage};
+use crate::app::rooms::path::SavedPathKey;
+use crate::app::rooms::timeline::TimeCommand;
 use crate::app::tests::edits::{delete, open};
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::edits::Region;

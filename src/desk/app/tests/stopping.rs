@@ -4,12 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::app::control::{OverlookApp, Start};
+use crate::app::model::command::{ChartCommand, PathCommand, PixelCommand};
+use crate::app::model::purpose::Purpose;
 use crate::app::model::{Command, StoppableWork};
-use crate::app::rooms::charts::model::{ChartCommand, Study};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::path::model::PathCommand;
-use crate::app::rooms::pixel::model::{PixelCommand, Spot};
-use crate::app::rooms::report::ui::totals::figures;
+use crate::app::rooms::charts::state::Study;
+use crate::app::rooms::pixel::state::Spot;
+use crate::app::rooms::report::ui::figures;
 use crate::app::tests::{change_path, orrery, ready, set_method, settle, step, wait};
 use overlook_engine::settings::{PruningMethod, Settings};
 

@@ -6,20 +6,18 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use crate::app::control::OverlookApp;
-use crate::app::control::overlook_app::secs_left;
+use crate::app::control::{OverlookApp, secs_left};
 use crate::app::dock::Dock;
+use crate::app::model::command::{FileCommand, Opening, SettingsCommand, ViewCommand};
+use crate::app::model::window::{DockView, NoticeLink};
 use crate::app::model::{Busy, Command, Message, OpenScene, State, StoppableWork};
-use crate::app::rooms::charts::model::Study;
-use crate::app::rooms::files::model::{FileCommand, Opening};
-use crate::app::rooms::files::work::opening;
-use crate::app::rooms::frame::model::{DockView, NoticeLink};
-use crate::app::rooms::live::model::ViewCommand;
-use crate::app::rooms::pixel::model::verdict_text;
-use crate::app::rooms::settings::model::SettingsCommand;
+use crate::app::rooms::charts::state::Study;
+use crate::app::rooms::files;
+use crate::app::rooms::pixel::pending_verdict;
+use crate::app::start::{view_ui, window_ui};
 use crate::app::tests::{edits, ready, start, wait};
 use crate::app::work::requests::OpenRequest;
-use crate::app::{model, theme, window};
+use crate::app::{model, theme};
 use overlook_engine::job::{Job, Progress};
 use overlook_engine::settings::{CaptureSettings, Kernel, Settings};
 
@@ -39,7 +37,7 @@ fn says(text: &str, mut contents: impl FnMut(&mut egui::Ui)) -> bool {
 }
 
 fn view_says(state: &State, view: DockView, text: &str) -> bool {
-    says(text, |ui| window::view_ui(ui, view, state, &mut Vec::new()))
+    says(text, |ui| view_ui(ui, view, state, &mut Vec::new()))
 }
 
 fn scoring() -> Progress {
@@ -57,7 +55,7 @@ fn a_capture_whose_up_was_taken_from_the_cameras_asks_once_and_takes_again_what_
     let open = |app: &mut OverlookApp| {
         let (path, settings) = (edits::small_capture(), CaptureSettings::default());
         let request = OpenRequest::Path { path, settings, keys: Vec::new() };
-        let Ok(Message::Opened(scene)) = opening::open(request, &Job::new()) else {
+        let Ok(Message::Opened(scene)) = files::work::open(request, &Job::new()) else {
             panic!("the small capture opens")
         };
         let scene = Arc::into_inner(scene).expect("nobody else has it");
@@ -103,7 +101,7 @@ fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() 
             secs_left: None,
         }];
         let mut dock = Dock::new();
-        assert!(says(line, |ui| window::window_ui(ui, &state, &mut dock, &mut Vec::new())));
+        assert!(says(line, |ui| window_ui(ui, &state, &mut dock, &mut Vec::new())));
     }
 }
 
@@ -154,8 +152,8 @@ fn histograms_of_another_frame_than_the_one_shown_say_so() {
 fn of_a_pixel_that_is_kept_in_motion_nobody_is_asked_to_click_it() {
     let mut state = State::default();
     state.timeline.playing = true;
-    assert!(verdict_text::pending_verdict(&state, false).contains("click"));
-    assert_eq!(verdict_text::pending_verdict(&state, true), "Playing: pause to read its verdict.");
+    assert!(pending_verdict(&state, false).contains("click"));
+    assert_eq!(pending_verdict(&state, true), "Playing: pause to read its verdict.");
 }
 
 #[test]
@@ -164,7 +162,7 @@ fn samples_of_shorter_spans_are_not_said_to_be_of_one_frame() {
     let counted = app.state.report().unwrap().foreground_per_frame[0];
     let words = format!("{} time-varying samples", model::count(counted));
     let mut dock = Dock::new();
-    assert!(says(&words, |ui| window::window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
+    assert!(says(&words, |ui| window_ui(ui, &app.state, &mut dock, &mut Vec::new())));
     assert!(view_says(&app.state, DockView::Report, "Repeated over time"));
 }
 

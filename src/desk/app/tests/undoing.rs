@@ -1,9 +1,8 @@
 //! What is taken back by Ctrl+Z, and in which order.
 
 use super::*;
-use crate::app::rooms::live::model::ViewCommand;
-use crate::app::rooms::path::model::PathCommand;
-use crate::app::rooms::timeline::model::TimeCommand;
+use crate::app::model::command::{PathCommand, ViewCommand};
+use crate::app::rooms::timeline::TimeCommand;
 
 #[test]
 fn keys_of_the_camera_path_are_taken_back_in_the_order_of_all_changes() {

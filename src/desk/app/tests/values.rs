@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use super::*;
-use crate::app::rooms::colors::model::{Display, ValueLook};
-use crate::app::rooms::frame::model::{DockView, WindowCommand};
-use crate::app::rooms::live::model::{ColorBy, ViewCommand};
+use crate::app::model::command::{ViewCommand, WindowCommand};
+use crate::app::model::look::{Display, ValueLook};
+use crate::app::model::picture::ColorBy;
+use crate::app::model::window::DockView;
 use overlook_engine::capture;
 use overlook_engine::render::{MISSING_COLOR, output};
 use overlook_engine::settings::Settings;

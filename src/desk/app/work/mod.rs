@@ -4,13 +4,13 @@
 //! State ── Wanted (what is missing) ──▶ Slots ──▶ Workers (a thread each) ── Message ──▶ Outbox ──▶ window
 //! ```
 
-pub(crate) mod outbox;
+pub(crate) mod develop;
 pub(crate) mod requests;
-pub(crate) mod slot;
+pub(crate) mod shown_samples;
 pub(crate) mod worker;
 pub(crate) mod workers;
 
-pub(crate) use outbox::{Outbox, Unread};
+pub(crate) use crate::app::work::worker::{Outbox, Unread};
 pub(crate) use requests::{
     Export, ExportRequest, FigureExport, FileRequest, OpenRequest, PathExport, StudyRequest,
 };

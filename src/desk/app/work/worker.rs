@@ -7,13 +7,16 @@
 //!
 //! A panic in a job becomes an error message; the worker and the window live on.
 
+use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
-use super::outbox::Outbox;
-use crate::app::model::{Message, WorkKind};
+use crate::app::model::{Message, State, WorkKind};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::{Job, Progress};
 
@@ -207,12 +210,162 @@ fn run<R>(
     }
 }
 
+/// Where workers report to: the channel to the window, and the window's bell.
+#[derive(Clone)]
+pub(crate) struct Outbox {
+    sender: SyncSender<Message>,
+    ctx: egui::Context,
+    unread: Unread,
+}
+
+/// Messages that the window has not taken in. They count from before their worker rests, so that never both look idle in between.
+#[derive(Clone, Default)]
+pub(crate) struct Unread(Arc<AtomicUsize>);
+
+impl Unread {
+    pub(crate) fn is_none(&self) -> bool {
+        self.0.load(Ordering::SeqCst) == 0
+    }
+
+    /// One was taken in.
+    pub(crate) fn read_one(&self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+
+    fn add_one(&self) {
+        self.0.fetch_add(1, Ordering::SeqCst);
+    }
+}
+
+impl Outbox {
+    /// An outbox that rings `ctx` after every message.
+    pub(crate) fn new(sender: SyncSender<Message>, ctx: egui::Context) -> Self {
+        Self { sender, ctx, unread: Unread::default() }
+    }
+
+    /// How many messages it sent that were not taken in.
+    pub(crate) fn unread(&self) -> Unread {
+        self.unread.clone()
+    }
+
+    /// Delivers a message; gives false once the window is gone.
+    pub(crate) fn send(&self, message: Message) -> bool {
+        self.announce();
+        self.deliver(message)
+    }
+
+    /// Says that a message follows.
+    pub(super) fn announce(&self) {
+        self.unread.add_one();
+    }
+
+    /// Delivers a message that was announced; gives false once the window is gone.
+    pub(super) fn deliver(&self, message: Message) -> bool {
+        let delivered = self.sender.send(message).is_ok();
+        self.ctx.request_repaint();
+        delivered
+    }
+}
+
+/// A request that a room makes as the state needs it. Equal requests have equal answers.
+pub(crate) trait Wanted: Clone + PartialEq + Send + Sized + 'static {
+    /// Whether the window shows what comes of it, so that it is not at rest before.
+    const IS_SHOWN: bool = true;
+
+    /// What is needed now; `None` where nothing is, and what came of the last request is kept.
+    fn wanted(state: &State) -> Option<Self>;
+
+    /// Whether the answer to it is still of use; else it is stopped, and made again where it is wanted again.
+    fn is_of_use(&self, _state: &State) -> bool {
+        true
+    }
+
+    /// After how long something else is needed although the state stays as it is; `None` where that is not so.
+    fn changes_in(_state: &State) -> Option<Duration> {
+        None
+    }
+}
+
+/// A worker, and what it was asked last: nothing is asked twice.
+pub(crate) struct Slot<R> {
+    pub worker: Worker<R>,
+    asked: RefCell<Option<R>>,
+}
+
+impl<R: Wanted> Slot<R> {
+    /// Starts the worker, as [`Worker::start`].
+    ///
+    /// # Errors
+    /// `Io` where the operating system gives no thread.
+    pub(crate) fn start(
+        kind: WorkKind,
+        supersede: Supersede,
+        outbox: &Outbox,
+        work: impl FnMut(R, &Job) -> Result<Message> + Send + 'static,
+    ) -> Result<Self> {
+        Ok(Self { worker: Worker::start(kind, supersede, outbox, work)?, asked: RefCell::new(None) })
+    }
+
+    /// What was asked last.
+    pub(crate) fn asked(&self) -> Option<R> {
+        self.asked.borrow().clone()
+    }
+
+    /// What is needed and was not asked last.
+    fn missing(&self, state: &State) -> Option<R> {
+        R::wanted(state).filter(|wanted| self.asked.borrow().as_ref() != Some(wanted))
+    }
+}
+
+/// A slot, whatever it is asked.
+pub(crate) trait AnySlot {
+    /// Asks for what is needed and was not asked last. Gives the time after which to call again, if any.
+    fn ask(&self, state: &State) -> Option<Duration>;
+
+    /// Stops what runs, and lets an equal request be made again.
+    fn stop(&self);
+
+    /// Lets an equal request be made again.
+    fn forget(&self);
+
+    /// Whether nothing runs or waits, nor will as long as the state stays as it is.
+    fn is_at_rest(&self, state: &State) -> bool;
+}
+
+impl<R: Wanted> AnySlot for Slot<R> {
+    fn ask(&self, state: &State) -> Option<Duration> {
+        // Before the rest, as time passes meanwhile.
+        let changes_in = R::changes_in(state);
+        if self.asked.borrow().as_ref().is_some_and(|asked| !asked.is_of_use(state)) {
+            self.stop();
+        }
+        if let Some(wanted) = self.missing(state) {
+            self.worker.submit(wanted.clone());
+            self.asked.replace(Some(wanted));
+        }
+        changes_in
+    }
+
+    fn stop(&self) {
+        self.worker.cancel();
+        self.forget();
+    }
+
+    fn forget(&self) {
+        self.asked.replace(None);
+    }
+
+    fn is_at_rest(&self, state: &State) -> bool {
+        let will_ask = || R::changes_in(state).is_some() || self.missing(state).is_some();
+        self.worker.is_idle() && !(R::IS_SHOWN && will_ask())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::sync::atomic::AtomicU32;
     use std::sync::mpsc::{Receiver, sync_channel};
-    use std::time::Duration;
 
     fn worker(
         supersede: Supersede,

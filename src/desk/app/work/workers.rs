@@ -5,20 +5,18 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::worker::Supersede::{Alternate, Always, Never, Queue};
+use crate::app::model::picture::{CarryKey, LiveKey};
+use crate::app::model::purpose::{Destination, Purpose};
 use crate::app::model::{Message, State, WorkKind as Kind};
-use crate::app::rooms::charts::work::accuracy::{MeasureRequest, measure};
-use crate::app::rooms::charts::work::study;
-use crate::app::rooms::colors::work::values::{ValuesRequest, values};
-use crate::app::rooms::compare::model::CompareKey;
-use crate::app::rooms::compare::work::compare::Comparer;
-use crate::app::rooms::edits::model::EditKey;
+use crate::app::rooms::charts::work::{MeasureRequest, measure};
+use crate::app::rooms::colors::work::{ValuesRequest, values};
+use crate::app::rooms::compare::state::CompareKey;
+use crate::app::rooms::compare::work::Comparer;
+use crate::app::rooms::edits::state::EditKey;
 use crate::app::rooms::edits::work::SampleEditor;
-use crate::app::rooms::files::model::{Destination, Purpose};
-use crate::app::rooms::files::work::{files, opening};
-use crate::app::rooms::live::model::{CarryKey, LiveKey};
-use crate::app::rooms::live::work::shown_samples::CameraFilter;
-use crate::app::rooms::live::work::{carry, image as live_image};
-use crate::app::rooms::pixel::model::ProbeKey;
+use crate::app::rooms::files::work::ask;
+use crate::app::rooms::live::work::image as live_image;
+use crate::app::rooms::pixel::state::ProbeKey;
 use crate::app::rooms::pixel::work as facts;
 use crate::app::rooms::pixel::work::{MemoryRequest, ThumbnailRequest};
 use crate::app::rooms::readings::work as readings;
@@ -27,14 +25,13 @@ use crate::app::rooms::report::work as pruning;
 use crate::app::rooms::report::work::{InspectRequest, PrepareRequest, WholeRequest};
 use crate::app::rooms::settings::work as histograms;
 use crate::app::rooms::settings::work::HistogramRequest;
-use crate::app::rooms::share::model::{ShareKey, SharePreviewKey};
-use crate::app::rooms::share::work::{facts as share_facts, preview as share_preview, sharing};
-use crate::app::rooms::source::work::image as source_image;
-use crate::app::rooms::source::work::image::SourceRequest;
-use crate::app::work::outbox::Outbox;
+use crate::app::rooms::share::state::{ShareKey, SharePreviewKey};
+use crate::app::rooms::share::work::StoreMeter;
+use crate::app::rooms::source::work::{SourceRequest, paint_source};
+use crate::app::rooms::{charts, share};
 use crate::app::work::requests::{ExportRequest, FileRequest, OpenRequest, StudyRequest};
-use crate::app::work::slot::{AnySlot, Slot};
-use crate::app::work::worker::Worker;
+use crate::app::work::shown_samples::CameraFilter;
+use crate::app::work::worker::{AnySlot, Outbox, Slot, Worker};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::render::gpu::SharedDevice;
@@ -125,10 +122,10 @@ impl Workers {
         let mut editor = SampleEditor::default();
         let editing = rendering.clone();
         let mut comparer = Comparer::new(studying.clone());
-        let mut meter = share_facts::StoreMeter::default();
-        let preview = move |key, job: &Job| previewing.install(|| share_preview::preview(key, job));
+        let mut meter = StoreMeter::default();
+        let preview = move |key, job: &Job| previewing.install(|| share::work::preview(key, job));
         Ok(Self {
-            open: Worker::start(Kind::Open, Always, outbox, opening::open)?,
+            open: Worker::start(Kind::Open, Always, outbox, crate::app::rooms::files::work::open)?,
             whole: Slot::start(Kind::Prune, Always, outbox, move |request, job| {
                 background.install(|| pruning::prune_whole(request, &progress, job))
             })?,
@@ -138,7 +135,7 @@ impl Workers {
                 preparing.install(|| pruning::prepare(&request, job))
             })?,
             source: Slot::start(Kind::SourcePicture, Never, outbox, move |request, _| {
-                source_image::paint_source(request, &decoder)
+                paint_source(request, &decoder)
             })?,
             live: Slot::start(Kind::LiveView, Never, outbox, move |key, job| {
                 let paint = || live_image::paint(&mut renderer, &mut filter, &key, job);
@@ -146,7 +143,7 @@ impl Workers {
                 Ok(Message::LivePainted { key, picture: Arc::new(picture) })
             })?,
             carry: Slot::start(Kind::CarriedPicture, Never, outbox, move |key, _| {
-                Ok(carrying.install(|| carry::carry(&mut carrier, key)))
+                Ok(carrying.install(|| crate::app::rooms::live::work::image::carry(&mut carrier, key)))
             })?,
             measure: Slot::start(Kind::MeasureAccuracy, Always, outbox, move |request, job| {
                 let accuracy = measuring.install(|| measure(&request, job))?;
@@ -154,13 +151,13 @@ impl Workers {
             })?,
             file: Worker::start(Kind::File, Queue, outbox, |request: FileRequest, job| {
                 let (title, text) = request.stopped();
-                or_stopped(job, title, text, || files::file(request, job))
+                or_stopped(job, title, text, || crate::app::rooms::files::work::file(request, job))
             })?,
             dialog: Worker::start(Kind::Dialog, Never, outbox, |(purpose, name), _| {
-                Ok(Message::PathChosen { purpose, path: files::ask(purpose, name) })
+                Ok(Message::PathChosen { purpose, path: ask(purpose, name) })
             })?,
             check: Worker::start(Kind::CheckPath, Never, outbox, |destination, _| {
-                Ok(files::check(destination))
+                Ok(crate::app::rooms::files::work::check(destination))
             })?,
             probe: Slot::start(Kind::PixelExplanation, Never, outbox, |key: ProbeKey, _| {
                 let probed = facts::probe(&key).map(Arc::new);
@@ -177,13 +174,13 @@ impl Workers {
                 comparer.answer(key, job)
             })?,
             export: Worker::start(Kind::Export, Queue, outbox, move |request: ExportRequest, job| {
-                let export = || sharing::export(&request, &filming, job);
+                let export = || share::work::export(&request, &filming, job);
                 or_stopped(job, "Export stopped", request.stopped(), export)
             })?,
             sizes: Slot::start(Kind::MeasureSizes, Never, outbox, move |key, job| meter.facts(&key, job))?,
             preview: Slot::start(Kind::PreviewShare, Never, outbox, preview)?,
             show_in_folder: Worker::start(Kind::ShowInFolder, Queue, outbox, |path: PathBuf, _| {
-                share_facts::show_in_folder(&path)
+                share::work::show_in_folder(&path)
             })?,
             readings: Slot::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
@@ -192,7 +189,7 @@ impl Workers {
                 editing.install(|| editor.answer(key, job))
             })?,
             study: Worker::start(Kind::Study, Always, outbox, move |request, job| {
-                studying.install(|| study::study(request, &points, job))
+                studying.install(|| charts::work::study(request, &points, job))
             })?,
         })
     }

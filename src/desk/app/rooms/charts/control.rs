@@ -1,9 +1,11 @@
 //! Carries out what concerns charts, and what is measured for them.
 
-use super::model::{ChartCommand, Study, StudyQuestion, sheet, to_measure};
-use crate::app::control::overlook_app::OverlookApp;
-use crate::app::rooms::frame::model::NoticeKind;
-use crate::app::rooms::settings::model::setting_names;
+use crate::app::control::OverlookApp;
+use crate::app::model;
+use crate::app::model::command::ChartCommand;
+use crate::app::model::window::NoticeKind;
+use crate::app::rooms::charts::sheet;
+use crate::app::rooms::charts::state::{Study, StudyQuestion, to_measure};
 use crate::app::work::{FileRequest, StudyRequest};
 use overlook_engine::settings::Settings;
 use overlook_lab::stress::StressPlan;
@@ -98,7 +100,7 @@ impl OverlookApp {
 
     /// Applies the settings of a chart's point, and lists what changes.
     pub(crate) fn take_point(&mut self, settings: Settings) {
-        let changes = setting_names::changes(&self.state.settings, &settings);
+        let changes = model::setting_names::changes(&self.state.settings, &settings);
         if changes.is_empty() {
             self.state.notify(NoticeKind::Done, "Already applied", "These are the current settings.");
             return;

@@ -2,13 +2,12 @@
 
 use egui::TextureOptions;
 
-use super::model::{
-    CompareChoice, CompareCommand, CompareKey, CompareSide, CompareVantage, PictureDifference,
-    ShownComparison,
+use crate::app::control::OverlookApp;
+use crate::app::model::command::CompareCommand;
+use crate::app::model::window::{DockView, NoticeKind};
+use crate::app::rooms::compare::state::{
+    CompareChoice, CompareKey, CompareSide, CompareVantage, PictureDifference, PictureFolder, ShownComparison,
 };
-use crate::app::control::overlook_app::OverlookApp;
-use crate::app::rooms::files::model::PictureFolder;
-use crate::app::rooms::frame::model::{DockView, NoticeKind};
 
 impl OverlookApp {
     /// Carries out what concerns the comparison of two pictures.

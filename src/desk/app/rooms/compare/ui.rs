@@ -3,16 +3,16 @@
 use egui::{Align, Align2, Key, Layout, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
 use egui_material_icons::icons::{ICON_ADD_PHOTO_ALTERNATE, ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
-use super::model::{
-    CLASSES, CompareInView, CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage,
-    PictureDifference, ShownComparison, about_pixel, figures,
-};
+use crate::app::model::command::{CompareCommand, FileCommand};
+use crate::app::model::picture::PictureZoom;
+use crate::app::model::purpose::{FigureOf, Purpose};
 use crate::app::model::{Command, Commands, Content, State};
-use crate::app::rooms::compare::model::CompareCommand;
-use crate::app::rooms::files::model::{FileCommand, Purpose};
-use crate::app::rooms::share::model::FigureOf;
-use crate::app::rooms::share::ui::picture_menu::picture_menu_ui;
-use crate::app::rooms::source::model::PictureZoom;
+use crate::app::picture_menu::picture_menu_ui;
+use crate::app::rooms::compare::state::{
+    CLASSES, CompareInView, CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage,
+    PictureDifference, ShownComparison,
+};
+use crate::app::rooms::compare::{about_pixel, figures};
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets;

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::model::{BRUSH_RADII, EditCommand, EditKey, EditedScene};
-use crate::app::control::overlook_app::OverlookApp;
+use crate::app::control::OverlookApp;
+use crate::app::model::command::EditCommand;
+use crate::app::model::window::NoticeKind;
 use crate::app::model::{Part, Undoable};
-use crate::app::rooms::frame::model::NoticeKind;
+use crate::app::rooms::edits::state::{BRUSH_RADII, EditKey, EditedScene};
 use crate::app::work::FileRequest;
 use overlook_engine::edits::{Action, Edit, EditList, Region};
 use overlook_engine::plural::counted;
@@ -19,7 +20,7 @@ impl OverlookApp {
         let mut named = None;
         match command {
             EditCommand::Select(region) => {
-                edits.selection = Some(edits.combined(region, edits.tools.combine))
+                edits.selection = Some(edits.combined(region, edits.tools.combine));
             }
             EditCommand::Draw { region, combine, is_done: false } => edits.draft = Some((region, combine)),
             EditCommand::Draw { region, combine, is_done: true } => {
@@ -29,7 +30,7 @@ impl OverlookApp {
             EditCommand::Mask { camera, stroke } => edits.mask(&camera, stroke),
             EditCommand::Reshape(region) => edits.selection = region,
             EditCommand::SelectNothing => {
-                (edits.selection, edits.draft, edits.tools.tool) = (None, None, None)
+                (edits.selection, edits.draft, edits.tools.tool) = (None, None, None);
             }
             EditCommand::Tools(mut tools) => {
                 tools.radius = tools.radius.clamp(*BRUSH_RADII.start(), *BRUSH_RADII.end());

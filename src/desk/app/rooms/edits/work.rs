@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::model::{EditKey, EditedScene, SelectionPlace};
 use crate::app::model::scene::Content;
 use crate::app::model::{Message, Same, State};
+use crate::app::rooms::edits::state::{EditKey, EditedScene, SelectionPlace};
 use crate::app::theme::Tokens;
-use crate::app::work::slot::Wanted;
+use crate::app::work::worker::Wanted;
 use overlook_engine::color::linear_from_srgb;
 use overlook_engine::edits::{
     Action, CutByHand, Edit, EditList, Region, edit_samples, edit_tinted, selected,

@@ -1,6 +1,159 @@
 //! Files: what is opened, saved and remembered, and the paths that a person chooses for that.
 
 pub(crate) mod control;
-pub(crate) mod model;
+pub(crate) mod paths;
+pub(crate) mod remembered;
+pub(crate) mod session;
+pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::app::model::look::{Display, ShownCameras};
+use crate::app::model::picture::{ColorBy, HoleDisplay, Overlay};
+use crate::app::model::scene::OpenScene;
+use crate::app::model::state::State;
+use crate::app::rooms::compare::state::{
+    CompareChoice, CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage,
+};
+use overlook_engine::error::{Error, Result};
+
+/// How both views look.
+#[serde_with::skip_serializing_none]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SessionLook {
+    overlay: Overlay,
+    color_by: ColorBy,
+    holes: HoleDisplay,
+    frames_per_second: f32,
+    /// Names of cameras: of the source view, of those that the live view leaves out, and of the only one that it shows.
+    source_camera: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    hidden_cameras: Vec<String>,
+    solo_camera: Option<String>,
+    /// Numbers of frames: those that are marked, and the first and last one that are played.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    marked_frames: Vec<i64>,
+    played_frames: Option<[i64; 2]>,
+    display: Display,
+    compare: SessionComparison,
+}
+
+/// What is compared, and how.
+#[serde_with::skip_serializing_none]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SessionComparison {
+    sides: [CompareSide; 2],
+    measure: CompareMeasure,
+    mode: CompareMode,
+    range: Option<f32>,
+    from: CompareVantage,
+}
+
+impl SessionLook {
+    /// How both views look at a scene.
+    pub(crate) fn of(state: &State, scene: &OpenScene) -> Self {
+        let name = |camera: usize| scene.cameras.get(camera).map(|camera| camera.name.clone());
+        let number = |frame: usize| scene.frame_numbers.get(frame).copied();
+        let (live, timeline, look) = (&state.live, &state.timeline, &state.inspector.compare);
+        let CompareChoice { sides, from, measure, range } = look.choice;
+        // Pictures of other programs are opened anew.
+        let has_pictures = sides.iter().any(|side| matches!(side, CompareSide::Pictures(_)));
+        let sides = if has_pictures { CompareLook::default().choice.sides } else { sides };
+        Self {
+            overlay: state.source.overlay,
+            color_by: live.color_by,
+            holes: live.holes,
+            frames_per_second: timeline.frames_per_second,
+            source_camera: name(state.source.camera),
+            hidden_cameras: live.cameras.off.iter().filter_map(|camera| name(*camera)).collect(),
+            solo_camera: live.cameras.solo.and_then(name),
+            marked_frames: timeline.markers.iter().filter_map(|frame| number(*frame)).collect(),
+            played_frames: timeline.range.and_then(|[first, last]| Some([number(first)?, number(last)?])),
+            display: state.display,
+            compare: SessionComparison { sides, measure, mode: look.mode, range, from },
+        }
+    }
+
+    /// As a session holds it.
+    pub(crate) fn to_table(&self) -> toml::Table {
+        // Numbers and names, which TOML holds all.
+        toml::Table::try_from(self).unwrap_or_default()
+    }
+
+    /// Reads what a session at `place` holds; `None` where it says nothing.
+    ///
+    /// # Errors
+    /// `Invalid` with what is wrong.
+    pub(crate) fn read(table: &toml::Table, place: &Path) -> Result<Option<Self>> {
+        if table.is_empty() {
+            return Ok(None);
+        }
+        let invalid = |what: String| Error::invalid(place.display(), format!("[look]: {what}"));
+        let look: Self =
+            table.clone().try_into().map_err(|error: toml::de::Error| invalid(error.message().to_owned()))?;
+        if !look.is_finite() {
+            return Err(invalid(
+                "a number cannot be shown; write finite ones, and a gamma above 0".to_owned(),
+            ));
+        }
+        Ok(Some(look))
+    }
+
+    /// Whether all numbers can be shown.
+    fn is_finite(&self) -> bool {
+        let Display { exposure, offset, gamma, values, .. } = self.display;
+        let ends = [values.range, values.isolated].into_iter().flatten().flatten();
+        let others = [exposure, offset, gamma, self.frames_per_second];
+        others.into_iter().chain(ends).chain(self.compare.range).all(f32::is_finite) && gamma > 0.0
+    }
+
+    /// Lets both views look so at a scene.
+    pub(crate) fn put(&self, state: &mut State, scene: &OpenScene) {
+        let camera = |name: &String| scene.cameras.iter().position(|camera| camera.name == *name);
+        let frame = |number: &i64| scene.frame_numbers.iter().position(|known| known == number);
+        state.source.overlay = self.overlay;
+        if let Some(camera) = self.source_camera.as_ref().and_then(camera) {
+            state.source.camera = camera;
+        }
+        (state.live.color_by, state.live.holes, state.display) = (self.color_by, self.holes, self.display);
+        state.live.cameras = ShownCameras {
+            off: self.hidden_cameras.iter().filter_map(camera).collect(),
+            solo: self.solo_camera.as_ref().and_then(camera),
+        };
+        let timeline = &mut state.timeline;
+        timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
+        timeline.markers = self.marked_frames.iter().filter_map(frame).collect();
+        timeline.range = self.played_frames.and_then(|[first, last]| Some([frame(&first)?, frame(&last)?]));
+        let SessionComparison { sides, measure, mode, range, from } = self.compare;
+        let is_there = !matches!(from, CompareVantage::HoldOut(camera) if camera >= scene.cameras.len());
+        let from = if is_there { from } else { CompareVantage::Live };
+        let choice = CompareChoice { sides, from, measure, range };
+        state.inspector.compare = CompareLook { choice, mode, ..CompareLook::default() };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_look_says_what_is_wrong() {
+        let read = |text: &str| {
+            let table = text.parse().unwrap();
+            SessionLook::read(&table, Path::new("s.overlook")).map_err(|error| error.to_string())
+        };
+        assert_eq!(read(""), Ok(None));
+        for (text, words) in
+            [("overlay = \"Depth\"", "missing field"), ("overlay = \"Fog\"", "unknown variant")]
+        {
+            let error = read(text).unwrap_err();
+            assert!(error.starts_with("s.overlook") && error.contains(words), "{error}");
+        }
+    }
+}

@@ -1,8 +1,8 @@
 //! Carries out commands about the window: workspaces, the maximized view, and hidden areas.
 
-use super::model::{Area, DockView, WindowCommand};
-use crate::app::control::overlook_app::OverlookApp;
-use crate::app::rooms::help::model::HelpPage;
+use crate::app::control::OverlookApp;
+use crate::app::model::command::WindowCommand;
+use crate::app::model::window::{Area, DockView, HelpPage};
 
 impl OverlookApp {
     /// Carries out what concerns the window.

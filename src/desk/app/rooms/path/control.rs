@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use super::model::{CameraPath, PathCommand, SavedPathKey};
-use crate::app::control::overlook_app::OverlookApp;
+use crate::app::control::OverlookApp;
+use crate::app::model::camera::OrbitCamera;
+use crate::app::model::command::PathCommand;
+use crate::app::model::window::{DockView, NoticeKind};
 use crate::app::model::{OpenScene, Part, State, Undoable};
-use crate::app::rooms::frame::model::{DockView, NoticeKind};
-use crate::app::rooms::live::model::OrbitCamera;
+use crate::app::rooms::path::{CameraPath, SavedPathKey};
 use overlook_engine::capture::transforms::{Easing, PathFile, PathView};
 use overlook_engine::plural::counted;
 

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use super::model::{PixelCommand, Probed, Spot, verdict_text};
-use crate::app::control::overlook_app::OverlookApp;
+use crate::app::control::OverlookApp;
 use crate::app::model::Command;
-use crate::app::rooms::frame::model::NoticeKind;
-use crate::app::rooms::source::model::{PictureZoom, SourceCommand};
-use crate::app::work::slot::AnySlot;
+use crate::app::model::command::{PixelCommand, SourceCommand};
+use crate::app::model::picture::PictureZoom;
+use crate::app::model::window::NoticeKind;
+use crate::app::rooms::pixel::explanation;
+use crate::app::rooms::pixel::state::{Probed, Spot};
+use crate::app::work::worker::AnySlot;
 
 impl OverlookApp {
     /// Carries out what concerns the selected pixel.
@@ -60,7 +62,7 @@ impl OverlookApp {
     fn copy_explanation(&mut self) {
         let shown = self.state.doc.scene.as_ref().zip(self.state.doc.probe.shown.as_ref());
         let Some((scene, probed)) = shown else { return };
-        self.ctx.copy_text(verdict_text::explanation(scene, probed));
+        self.ctx.copy_text(explanation(scene, probed));
         self.state.notify(NoticeKind::Done, "Copied", "The explanation of the pixel is on the clipboard.");
     }
 

@@ -6,15 +6,18 @@ use egui_material_icons::icons::{
     ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING, ICON_TABLE_VIEW,
 };
 
-use super::model::{Probed, verdict_text as words};
-use crate::app::camera_chips::chips;
+use crate::app::model::command::{PixelCommand, ViewCommand};
+use crate::app::model::look::Unit;
+use crate::app::model::purpose::{Table, TableForm};
+use crate::app::model::text::CameraText;
 use crate::app::model::{Command, Commands, OpenScene, State};
-use crate::app::rooms::cameras::model::CameraText;
-use crate::app::rooms::live::model::{Unit, ViewCommand};
-use crate::app::rooms::pixel::model::PixelCommand;
-use crate::app::rooms::report::model::{Table, TableForm};
+use crate::app::rooms::pixel::state::Probed;
+use crate::app::rooms::pixel::{
+    self, DOUBTFUL, distance, is_same_point, number, ordered, own_sample, pending_verdict, rates,
+    rule_of_votes, verdict,
+};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{dot, empty_ui, icon_button, note, weak};
+use crate::app::widgets::{chips, dot, empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::inspect::CameraEvidence;
 
@@ -88,23 +91,23 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
     ui.spacing_mut().item_spacing.y = 3.0;
     ui.horizontal(|ui| heading_ui(ui, state, scene, probed, commands));
     if let Some(explanation) = &probed.explanation {
-        let sentence = words::verdict(&scene.cameras, explanation.verdict);
+        let sentence = verdict(&scene.cameras, explanation.verdict);
         let color = if explanation.verdict.is_kept() { tokens.text } else { tokens.warning };
         ui.add(Label::new(chips(ui, &sentence, &scene.cameras, &TextStyle::Body, color)).wrap());
         if explanation.is_doubtful {
-            note(ui, words::DOUBTFUL);
+            note(ui, DOUBTFUL);
         }
-        if let Some(votes) = words::votes(explanation.votes, explanation.is_flying) {
-            note(ui, votes).on_hover_text(words::rule_of_votes(&state.settings.pruning));
+        if let Some(votes) = pixel::votes(explanation.votes, explanation.is_flying) {
+            note(ui, votes).on_hover_text(rule_of_votes(&state.settings.pruning));
         }
         if explanation.chain.len() > 1 {
-            let chain = words::chain(&scene.cameras, &explanation.chain);
+            let chain = pixel::chain(&scene.cameras, &explanation.chain);
             ui.add(Label::new(chips(ui, &chain, &scene.cameras, &TextStyle::Small, tokens.text_weak)).wrap())
                 .on_hover_text("The witness chain: from this pixel to the sample that replaces it.");
         }
     } else {
         let text = if state.has_capture() {
-            words::pending_verdict(state, state.doc.probe.pinned)
+            pending_verdict(state, state.doc.probe.pinned)
         } else {
             "A kept sample. The store does not record its witnesses; open its capture for them."
         };
@@ -222,7 +225,7 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
             font.size = font.size.min(NARROW);
         }
     }
-    let order = words::ordered(&explanation.evidence, explanation.winner);
+    let order = ordered(&explanation.evidence, explanation.winner);
     let scale = if narrow { 0.86 } else { 1.0 };
     let mut table = TableBuilder::new(ui).id_salt("evidence").striped(true).auto_shrink(false);
     // Letters of several sizes stand on one middle.
@@ -260,8 +263,8 @@ fn row_ui(
     });
     let tokens = *Tokens::of(state.dark);
     let tolerance = &state.settings.pruning;
-    let same = words::is_same_point(row);
-    let (sees, why) = words::sees(row);
+    let same = is_same_point(row);
+    let (sees, why) = pixel::sees(row);
     line.col(|ui| {
         let color = if same { tokens.text } else { tokens.text_weak };
         ui.label(RichText::new(sees).color(color)).on_hover_text(why);
@@ -279,27 +282,27 @@ fn row_ui(
     let off = row.plane_distance_footprints;
     let help = format!(
         "{} footprints of {}; the tolerance is {}.",
-        words::distance(off),
+        distance(off),
         state.live.unit.length(row.footprint),
         tolerance.depth_tolerance
     );
-    cell(words::distance(off), off > f64::from(tolerance.depth_tolerance), help);
+    cell(distance(off), off > f64::from(tolerance.depth_tolerance), help);
     let turned = row.normal_angle_degrees > f64::from(tolerance.normal_tolerance);
     let angle =
         if row.incidence_degrees.is_nan() { "–".into() } else { format!("{:.0}°", row.incidence_degrees) };
     let help = format!(
         "The normals differ by {}°; the tolerance is {}°.",
-        words::distance(row.normal_angle_degrees),
+        distance(row.normal_angle_degrees),
         tolerance.normal_tolerance
     );
     cell(angle, turned, help);
-    for rate in words::rates(row) {
+    for rate in rates(row) {
         cell(rate, false, String::new());
     }
     let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
-    cell(words::distance(row.color_difference_steps), apart, String::new());
+    cell(distance(row.color_difference_steps), apart, String::new());
     line.col(|ui| {
-        let own = words::own_sample(row).unwrap_or_else(|| CameraText::new("–"));
+        let own = own_sample(row).unwrap_or_else(|| CameraText::new("–"));
         let own = if wins && row.outcome.is_some() { own.words(", replaces it") } else { own };
         let color = if wins { tokens.accent } else { tokens.text_weak };
         ui.label(chips(ui, &own, &scene.cameras, &TextStyle::Body, color));
@@ -310,8 +313,8 @@ fn row_ui(
 fn depth_words(row: &CameraEvidence) -> String {
     match (row.depth_expected.is_nan(), row.depth_found.is_nan()) {
         (true, _) => "–".to_owned(),
-        (_, true) => words::number(row.depth_expected),
-        _ => format!("{} / {}", words::number(row.depth_expected), words::number(row.depth_found)),
+        (_, true) => number(row.depth_expected),
+        _ => format!("{} / {}", number(row.depth_expected), number(row.depth_found)),
     }
 }
 

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use egui::ColorImage;
 
-use super::model::{ProbeKey, Probed, Spot};
 use crate::app::colormap::{dimmed, recorded};
+use crate::app::model::window::DockView;
 use crate::app::model::{CameraMemory, Content, Same, State};
-use crate::app::rooms::frame::model::DockView;
-use crate::app::work::slot::Wanted;
+use crate::app::rooms::pixel::state::{ProbeKey, Probed, Spot};
+use crate::app::work::worker::Wanted;
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::preprocess::inspect::{
     CameraInspection, FrameInspection, explain_pixel, spans_of_pixel,

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use egui::TextureOptions;
 
-use super::model::{ReadingCommand, ReadingImages, ShownReadings};
-use crate::app::control::overlook_app::OverlookApp;
+use crate::app::control::OverlookApp;
 use crate::app::model;
 use crate::app::model::SceneSource;
-use crate::app::rooms::frame::model::{NoticeKind, NoticeLink};
+use crate::app::model::command::ReadingCommand;
+use crate::app::model::window::{NoticeKind, NoticeLink};
+use crate::app::rooms::readings::state::{ReadingImages, ShownReadings};
 use crate::app::work::OpenRequest;
 use overlook_engine::capture::conventions::Finding;
 

@@ -2,10 +2,9 @@
 
 use egui::{Button, Id, Label, Modal, RichText, Ui, Vec2};
 
-use super::model::{ReadingCheck, ShownReadings};
+use crate::app::model::command::{FileCommand, Opening, ReadingCommand};
 use crate::app::model::{Command, Commands, OpenScene, State};
-use crate::app::rooms::files::model::{FileCommand, Opening};
-use crate::app::rooms::readings::model::ReadingCommand;
+use crate::app::rooms::readings::state::{ReadingCheck, ShownReadings};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, picture, waiting, weak};
 use overlook_engine::capture::conventions::{Alternative, Finding, LensReading, Reading};

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
-use super::model::ReadingImages;
 use crate::app::model::{Message, OpenScene, Same, SceneSource, State};
-use crate::app::work::slot::Wanted;
+use crate::app::rooms::readings::state::ReadingImages;
+use crate::app::work::worker::Wanted;
 use overlook_engine::capture::conventions::{self, Finding};
 use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::error::Result;

@@ -4,8 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::app::model::{Inspected, Message, Method, OpenScene, Same, State};
-use crate::app::work::outbox::Outbox;
-use crate::app::work::slot::Wanted;
+use crate::app::work::worker::{Outbox, Wanted};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess;

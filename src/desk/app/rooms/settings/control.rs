@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::model::SettingsCommand;
-use crate::app::control::overlook_app::OverlookApp;
+use crate::app::control::OverlookApp;
+use crate::app::model::command::SettingsCommand;
+use crate::app::model::window::{DockView, NoticeKind};
+use crate::app::work::worker::AnySlot;
 
 use crate::app::model::{Part, Undoable, method_of};
-use crate::app::rooms::frame::model::{DockView, NoticeKind};
-use crate::app::work::slot::AnySlot;
 use overlook_engine::settings::Settings;
 
 impl OverlookApp {

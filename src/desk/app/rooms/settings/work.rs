@@ -1,9 +1,9 @@
 //! Counts the quantities that thresholds cut, at the frame shown.
 
-use super::model::ThresholdHistogram;
+use crate::app::model::window::DockView;
 use crate::app::model::{Message, Same, State};
-use crate::app::rooms::frame::model::DockView;
-use crate::app::work::slot::Wanted;
+use crate::app::rooms::settings::ThresholdHistogram;
+use crate::app::work::worker::Wanted;
 use overlook_engine::median::median_f32;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::inspect::{FrameInspection, PairQuantities, pair_quantities};

@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use super::model::{FigureOf, FigureOptions, ShareCommand, ShareOutcome};
-use crate::app::control::overlook_app::OverlookApp;
+use crate::app::control::OverlookApp;
 use crate::app::model;
+use crate::app::model::command::{ExportTarget, Exported};
+use crate::app::model::purpose::{FigureOf, FigureOptions, Purpose};
+use crate::app::model::ways_out::ShareCommand;
+use crate::app::model::window::{DockView, NoticeKind, and_others};
 use crate::app::model::{StoppableWork, WorkKind};
-use crate::app::rooms::files::control::{no_figure, no_scene};
-use crate::app::rooms::files::model::Purpose;
-use crate::app::rooms::frame::model::{DockView, NoticeKind, and_others};
-use crate::app::rooms::path::model::{ExportTarget, Exported};
+use crate::app::rooms::files::paths::{no_figure, no_scene};
+use crate::app::rooms::share::state::ShareOutcome;
 use crate::app::work::{Export, ExportRequest, FigureExport, PathExport};
 use overlook_engine::error::Error;
 use overlook_engine::page::{PageOptions, PagePath};

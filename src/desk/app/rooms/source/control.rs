@@ -1,8 +1,9 @@
 //! Carries out what concerns the source view.
 
-use super::model::{SourceCommand, SourceLook};
-use crate::app::control::overlook_app::OverlookApp;
-use crate::app::rooms::frame::model::DockView;
+use crate::app::control::OverlookApp;
+use crate::app::model::command::SourceCommand;
+use crate::app::model::window::DockView;
+use crate::app::rooms::source::SourceLook;
 
 impl OverlookApp {
     /// Carries out what concerns the source view.

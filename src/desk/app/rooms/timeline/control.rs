@@ -1,7 +1,7 @@
 //! Carries out what concerns time.
 
-use super::model::{ShownRate, TimeCommand, Timeline};
-use crate::app::control::overlook_app::OverlookApp;
+use crate::app::control::OverlookApp;
+use crate::app::rooms::timeline::{ShownRate, TimeCommand, Timeline};
 
 impl OverlookApp {
     /// Carries out what concerns time.

@@ -6,12 +6,11 @@ use egui::epaint::Vertex;
 use egui::{Color32, Galley, Mesh, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, pos2, vec2};
 use glam::DVec2;
 
-use super::overlays::{as_drawn, frustum};
 use crate::app::camera_cues;
+use crate::app::model::command::{SourceCommand, ViewCommand, WindowCommand};
+use crate::app::model::window::DockView;
 use crate::app::model::{Command, Commands, OpenScene, State};
-use crate::app::rooms::frame::model::{DockView, WindowCommand};
-use crate::app::rooms::live::model::ViewCommand;
-use crate::app::rooms::source::model::SourceCommand;
+use crate::app::rooms::cameras::{as_drawn, frustum};
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
 
@@ -280,7 +279,7 @@ pub(crate) fn menu(
             (
                 if is_solo { "All cameras again" } else { "Solo" },
                 Command::View(ViewCommand::look(&state.live, |live| {
-                    live.cameras.solo = (!is_solo).then_some(camera)
+                    live.cameras.solo = (!is_solo).then_some(camera);
                 })),
             ),
             (

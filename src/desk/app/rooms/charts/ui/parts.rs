@@ -6,9 +6,11 @@ use egui::{Color32, Pos2, Sense, Shape, Stroke, TextWrapMode, Ui, vec2};
 use egui_material_icons::MaterialIcon;
 use egui_plot::{GridMark, MarkerShape, Plot, PlotPoint, PlotUi};
 
+use crate::app::model::command::{ChartCommand, FileCommand};
+use crate::app::model::purpose::Purpose;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::charts::model::{ChartCommand, Charts, Study, TICKS};
-use crate::app::rooms::files::model::{FileCommand, Purpose};
+use crate::app::rooms::charts::state::axis::TICKS;
+use crate::app::rooms::charts::state::{Charts, Study};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
 use overlook_engine::plural::counted;

@@ -1,9 +1,569 @@
-//! What is drawn.
+//! Selecting samples, deleting them, and the list of edits.
 
 pub(crate) mod drawing;
-mod numbers;
-pub(crate) mod panel;
-pub(crate) mod shapes;
-pub(crate) mod tools;
 
-pub(crate) use panel::edits_ui;
+use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, Slider, TextEdit, Ui};
+use egui_material_icons::icons::{
+    ICON_ARROW_DOWNWARD, ICON_ARROW_UPWARD, ICON_CONTENT_COPY, ICON_DELETE, ICON_REDO, ICON_UNDO,
+};
+use glam::DVec3;
+
+use crate::app::model::command::{
+    Combine, DrawnDepth, EditCommand, EditTime, EditTool, EditTools, FileCommand,
+};
+use crate::app::model::purpose::Purpose;
+use crate::app::model::{self, Command, Commands, State};
+use crate::app::rooms::edits::state::{BRUSH_RADII, SceneEdits, last_shape, words as region_words};
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{heading_ui, icon_button, note, segments_ui, weak};
+use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
+use overlook_engine::edits::{Action, Edit, Region};
+
+const ASKS_WHOLE: &str = "Edits act on all frames: they are shown once the whole capture is pruned.";
+
+/// The panel.
+pub(crate) fn edits_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    if state.doc.scene.is_none() {
+        return;
+    }
+    let mut sent = Vec::new();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.set_max_width(ui.available_width() - space::MEDIUM);
+        select_ui(ui, state, &mut sent);
+        selection_ui(ui, state, &mut sent);
+        mask_ui(ui, state, &mut sent);
+        list_ui(ui, state, &mut sent, commands);
+        files_ui(ui, state, commands);
+    });
+    commands.extend(sent.into_iter().map(Command::Edit));
+}
+
+/// What is selected, its numbers, and what can be done with it.
+fn selection_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
+    let edits = &state.doc.edits;
+    let Some(selection) = &edits.selection else {
+        weak(ui, "Nothing is selected.");
+        return;
+    };
+    ui.add(Label::new(RichText::new(region_words(selection)).strong()).truncate());
+    let facts = match state.edited_now().filter(|_| edits.trouble.is_none()) {
+        Some(edited) => {
+            let left = edited.before - edited.deleted;
+            let bytes = edited.bytes as f64 * edited.selected as f64 / left.max(1) as f64;
+            format!(
+                "{} ({}), {} in memory",
+                model::count_of(edited.selected, "sample"),
+                model::percent(edited.selected, left),
+                model::bytes(bytes as u64)
+            )
+        }
+        None if state.samples_to_edit().is_none() => ASKS_WHOLE.to_owned(),
+        None if edits.trouble.is_some() => String::new(),
+        None => "Selecting…".to_owned(),
+    };
+    note(ui, facts);
+    let mut reshaped = selection.clone();
+    if let Some(shape) = last_shape(&mut reshaped)
+        && numbers_ui(ui, shape, state)
+    {
+        sent.push(EditCommand::Reshape(Some(reshaped)));
+    }
+    if state.has_time()
+        && let Some(time) = segments_ui(ui, "Edit acts at", edits.tools.time, EditTime::ALL)
+    {
+        sent.push(EditCommand::Tools(EditTools { time, ..edits.tools }));
+    }
+    if state.has_time() && edits.tools.time == EditTime::Range {
+        ui.horizontal(|ui| range_ui(ui, state, "Edit", sent));
+    }
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, command) in [
+            ("Delete", "Delete what is selected (Delete).", EditCommand::Act(Action::Delete)),
+            ("Keep only", "Delete all but what is selected.", EditCommand::Act(Action::KeepOnly)),
+            (
+                "Restore",
+                "Bring back what edits above delete of what is selected.",
+                EditCommand::Act(Action::Restore),
+            ),
+            ("Invert", "Select what is not selected (Ctrl+I).", EditCommand::Reshape(edits.inverted())),
+            ("Clear", "Select nothing (Esc).", EditCommand::SelectNothing),
+        ] {
+            let button = ui.button(name).accessible_name(format!("{name} selection"));
+            if button.on_hover_text(help).clicked() {
+                sent.push(command);
+            }
+        }
+    });
+    grow_ui(ui, edits, sent);
+}
+
+/// Grows and shrinks the selection.
+fn grow_ui(ui: &mut Ui, edits: &SceneEdits, sent: &mut Vec<EditCommand>) {
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, grows) in [
+            ("Grow", "Select what is near the selection as well (G).", true),
+            ("Shrink", "Take what is near its border out of the selection (Shift+G).", false),
+        ] {
+            let button = ui.button(name).accessible_name(format!("{name} selection"));
+            if button.on_hover_text(help).clicked() {
+                sent.push(EditCommand::Reshape(edits.grown(grows)));
+            }
+        }
+        ui.label("by");
+        let mut by = edits.tools.grow_by;
+        let drag = DragValue::new(&mut by).speed(0.1).max_decimals(1).range(GROW_BY).suffix(" footprints");
+        let drag = ui.add(drag).on_hover_text("Widths of a pixel where the sample lies.");
+        if drag.accessible_name("Grow by").changed() {
+            sent.push(EditCommand::Tools(EditTools { grow_by: by, ..edits.tools }));
+        }
+    });
+}
+
+fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &mut Commands) {
+    let edits = &state.doc.edits;
+    heading_ui(ui, "List of edits");
+    if edits.list.edits.is_empty() {
+        weak(ui, "No edits yet. What is deleted stays in the list, to be switched off or saved.");
+    }
+    let last = edits.list.edits.len().saturating_sub(1);
+    let mut selects = None;
+    let mut change = |named: Option<usize>, change: &dyn Fn(&mut Vec<Edit>)| {
+        let mut list = edits.list.clone();
+        change(&mut list.edits);
+        sent.push(EditCommand::List(list, named));
+    };
+    for (index, edit) in edits.list.edits.iter().enumerate() {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            let mut on = edit.is_on;
+            if ui
+                .add(Checkbox::without_text(&mut on))
+                .accessible_name(format!("Edit {} acts", index + 1))
+                .changed()
+            {
+                change(None, &|edits| edits[index].is_on = on);
+            }
+            let mut name = edit.name.clone();
+            let width = (ui.available_width() - 148.0).max(60.0);
+            let field = ui.add(TextEdit::singleline(&mut name).desired_width(width));
+            let field = field.accessible_name(format!("Name of edit {}", index + 1));
+            if field.on_hover_text(region_words(&edit.region)).changed() {
+                change(Some(index), &|edits| name.clone_into(&mut edits[index].name));
+            }
+            for (icon, name, to) in [
+                (ICON_ARROW_UPWARD, "Move edit up", index.checked_sub(1)),
+                (ICON_ARROW_DOWNWARD, "Move edit down", (index < last).then_some(index + 1)),
+            ] {
+                ui.add_enabled_ui(to.is_some(), |ui| {
+                    if let (true, Some(to)) = (icon_button(ui, icon, name, name).clicked(), to) {
+                        change(None, &|edits| edits.swap(index, to));
+                    }
+                });
+            }
+            let help = "Select the region of this edit, to reshape it or to combine it with others";
+            if icon_button(ui, ICON_CONTENT_COPY, "Select region of edit", help).clicked() {
+                selects = Some(edit.region.clone());
+            }
+            if icon_button(ui, ICON_DELETE, "Remove edit", "Take this edit out of the list").clicked() {
+                change(None, &|edits| drop(edits.remove(index)));
+            }
+        });
+    }
+    sent.extend(selects.map(|region| EditCommand::Reshape(Some(region))));
+    if let Some(trouble) = &edits.trouble {
+        ui.add(Label::new(RichText::new(trouble).color(Tokens::in_ui(ui).error)).wrap());
+    } else if let Some(edited) = state.edited().filter(|edited| edited.deleted > 0) {
+        let deleted = model::count_of(edited.deleted, "sample");
+        let share = model::percent(edited.deleted, edited.before);
+        note(ui, format!("{deleted} deleted ({share}); {} in memory", model::bytes(edited.bytes)));
+    } else if edits.are_in_use() && state.samples_to_edit().is_none() {
+        note(ui, ASKS_WHOLE);
+    }
+    below_list_ui(ui, state, sent, commands);
+}
+
+/// What leaves a camera out, and what takes edits back.
+fn below_list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &mut Commands) {
+    ui.horizontal_wrapped(|ui| {
+        let scene = state.doc.scene.as_ref();
+        let leave_out = |name: &str| {
+            let index = scene.and_then(|scene| scene.cameras.iter().position(|camera| camera.name == name));
+            EditCommand::LeaveOut(index.into_iter().collect())
+        };
+        cameras_ui(ui, state, "Leave out camera", leave_out, sent);
+        for (icon, name, help, command, is_possible) in [
+            (
+                ICON_UNDO,
+                "Undo edit",
+                "Undo the last edit (Ctrl+Z)",
+                Command::Undo,
+                state.would_step_edits(true),
+            ),
+            (ICON_REDO, "Redo edit", "Redo it (Ctrl+Shift+Z)", Command::Redo, state.would_step_edits(false)),
+        ] {
+            ui.add_enabled_ui(is_possible, |ui| {
+                if icon_button(ui, icon, name, help).clicked() {
+                    commands.push(command);
+                }
+            });
+        }
+    });
+}
+
+fn files_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    ui.add_space(space::MEDIUM);
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, command) in [
+            (
+                "Save edits…",
+                "Write the list as text, which overlook preprocess, render, export and edit obey.",
+                Purpose::SaveEdits,
+            ),
+            ("Open edits…", "Put a list that was saved in the place of this one.", Purpose::LoadEdits),
+            ("Save cleaned store…", SAVES, Purpose::SaveStore),
+        ] {
+            if ui.button(name).on_hover_text(help).clicked() {
+                commands.push(Command::File(FileCommand::AskPath(command)));
+            }
+        }
+    });
+    if state.has_capture() && !state.doc.edits.list.is_idle() {
+        weak(
+            ui,
+            "Saving prunes the capture again: cameras that are left out take no part, and nothing brings deleted things back.",
+        );
+    }
+}
+
+const SAVES: &str = "Write what edits leave as a store. Cameras that are hidden in the View panel are saved; those that are left out here are not.";
+
+/// Footprints by which a selection grows, and that a step over a surface takes at most.
+const GROW_BY: std::ops::RangeInclusive<f64> = 0.5..=Region::MOST_FOOTPRINTS;
+
+const AXES: [&str; 3] = ["X", "Y", "Z"];
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+const ENDS: [&str; 2] = ["from", "to"];
+
+/// How numbers of one kind are dragged.
+#[derive(Clone, Copy)]
+struct Dragged {
+    least: f64,
+    most: f64,
+    /// Along a point.
+    speed: f64,
+    suffix: &'static str,
+}
+
+impl Dragged {
+    const fn new(least: f64, most: f64, speed: f64, suffix: &'static str) -> Self {
+        Self { least, most, speed, suffix }
+    }
+}
+
+/// A row of numbers with the names of its parts; whether one was changed.
+fn row(ui: &mut Ui, name: &str, parts: &[&str], values: &mut [&mut f64], how: Dragged) -> bool {
+    ui.label(name);
+    let mut changed = false;
+    for (value, part) in values.iter_mut().zip(parts) {
+        let drag = DragValue::new(*value).speed(how.speed).max_decimals(3).suffix(how.suffix);
+        let drag = ui.add(drag.range(how.least..=how.most));
+        changed |= drag.accessible_name(format!("{name} {part}")).changed();
+    }
+    ui.end_row();
+    changed
+}
+
+/// Both ends of a range.
+fn range_row(ui: &mut Ui, name: &str, from: &mut f64, to: &mut f64, how: Dragged) -> bool {
+    let changed = row(ui, name, &ENDS, &mut [&mut *from, &mut *to], how);
+    *to = to.max(*from);
+    changed
+}
+
+/// The numbers of a region without parts; whether one was changed.
+fn numbers_ui(ui: &mut Ui, region: &mut Region, state: &State) -> bool {
+    let speed = state.live.orbit.as_ref().map_or(0.01, |orbit| orbit.pivot_distance * 0.003);
+    let place = Dragged::new(f64::MIN, f64::MAX, speed, "");
+    let size = Dragged::new(speed * 1e-3, f64::MAX, speed, "");
+    let grid = Grid::new("shape").num_columns(4).spacing([space::SMALL, 4.0]);
+    let shown = grid.show(ui, |ui| {
+        ui.spacing_mut().button_padding.x = space::SMALL;
+        match region {
+            Region::Box { center, half_size, rotation_degrees } => {
+                let turn = Dragged::new(f64::MIN, f64::MAX, 0.5, "°");
+                let moved = row(ui, "Center", &AXES, &mut center.each_mut(), place);
+                let resized = row(ui, "Half size", &AXES, &mut half_size.each_mut(), size);
+                row(ui, "Turned", &AXES, &mut rotation_degrees.each_mut(), turn) || moved || resized
+            }
+            Region::Sphere { center, radius } => {
+                let moved = row(ui, "Center", &AXES, &mut center.each_mut(), place);
+                row(ui, "Radius", &AXES, &mut [radius], size) || moved
+            }
+            Region::SameSurface { footprints, angle, .. } => {
+                let step = Dragged::new(*GROW_BY.start(), *GROW_BY.end(), 0.1, " footprints");
+                let stepped = row(ui, "Step", &AXES, &mut [footprints], step);
+                row(ui, "Turn", &AXES, &mut [angle], Dragged::new(0.0, 90.0, 0.5, "°")) || stepped
+            }
+            Region::Depth { from, to } => range_row(ui, "Depth", from, to, Dragged { least: 0.0, ..size }),
+            Region::Angle { from, to } => {
+                range_row(ui, "Angle", from, to, Dragged::new(0.0, 180.0, 0.5, "°"))
+            }
+            Region::Value { name, from, to } => {
+                let speed = speed_of_value(state, name);
+                let open = Dragged::new(f64::NEG_INFINITY, f64::INFINITY, speed, "");
+                range_row(ui, "Value", from, to, open)
+            }
+            Region::Color { linear, tolerance } => color_ui(ui, linear, tolerance),
+            _ => false,
+        }
+    });
+    shown.inner
+}
+
+/// A color in steps of 1/255 as displays show it, and by how many others may differ.
+fn color_ui(ui: &mut Ui, linear: &mut [f64; 3], tolerance: &mut f64) -> bool {
+    let steps = Dragged::new(0.0, f64::MAX, 0.5, "");
+    let shown = linear.map(|channel| f64::from(255.0 * srgb_from_linear(channel as f32)));
+    let mut turned = shown;
+    let is_turned = row(ui, "Color", &CHANNELS, &mut turned.each_mut(), steps);
+    for ((linear, turned), shown) in linear.iter_mut().zip(turned).zip(shown) {
+        // What is not turned keeps its last bit.
+        if turned.to_bits() != shown.to_bits() {
+            *linear = f64::from(linear_from_srgb(turned as f32 / 255.0));
+        }
+    }
+    row(ui, "Tolerance", &AXES, &mut [tolerance], steps) || is_turned
+}
+
+/// By how much a value changes along a point that its number is dragged.
+fn speed_of_value(state: &State, name: &str) -> f64 {
+    let channel = state.value_channels().iter().find(|channel| channel.name == name);
+    channel.map_or(0.01, |channel| f64::from((channel.range[1] - channel.range[0]).abs().max(1e-6)) / 200.0)
+}
+
+/// A new box or sphere reaches this far, in distances from the view to what it turns about.
+const NEW_SIZE: f64 = 0.15;
+
+/// A new range of angles.
+const SLANTED: Region = Region::Angle { from: 60.0, to: 90.0 };
+
+/// Where a new shape is put, and how large: at the pinned pixel, else at what the view turns about.
+fn new_place(state: &State) -> ([f64; 3], f64) {
+    let pinned = state.doc.probe.pinned.then_some(state.doc.probe.shown.as_ref()).flatten();
+    let pinned = pinned.and_then(|probed| probed.point_in_world);
+    let pivot = state.doc.scene.as_ref().map_or(DVec3::ZERO, |scene| scene.pivot_in_world);
+    let distance = state.live.orbit.as_ref().map_or(1.0, |orbit| orbit.pivot_distance);
+    (pinned.unwrap_or(pivot).to_array(), NEW_SIZE * distance)
+}
+
+pub(crate) fn select_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
+    heading_ui(ui, "Select");
+    let (center, size) = new_place(state);
+    let edits = &state.doc.edits;
+    ui.horizontal_wrapped(|ui| {
+        let shapes = [
+            (
+                "Box",
+                "A box at the pinned pixel, or in the middle; drag its handles, or give numbers.",
+                Region::Box { center, half_size: [size; 3], rotation_degrees: [0.0; 3] },
+            ),
+            (
+                "Sphere",
+                "A sphere there; drag its handles, or give numbers.",
+                Region::Sphere { center, radius: size },
+            ),
+        ];
+        for (name, help, region) in shapes {
+            if ui.button(name).on_hover_text(help).accessible_name(format!("Select {name}")).clicked() {
+                sent.push(EditCommand::Select(region));
+            }
+        }
+        for tool in EditTool::ALL.iter().filter(|(tool, ..)| *tool != EditTool::Mask) {
+            tool_ui(ui, state, tool, "Select", sent);
+        }
+    });
+    brush_ui(ui, state, sent);
+    evidence_ui(ui, state, sent);
+    ranges_ui(ui, state, sent);
+    if let Some(combine) = segments_ui(ui, "Selection", edits.tools.combine, Combine::ALL) {
+        sent.push(EditCommand::Tools(EditTools { combine, ..edits.tools }));
+    }
+    if let Some(depth) = segments_ui(ui, "Drawing selects", edits.tools.depth, DrawnDepth::ALL) {
+        sent.push(EditCommand::Tools(EditTools { depth, ..edits.tools }));
+    }
+}
+
+/// Selects by what cameras say.
+fn evidence_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
+    let id = ui.scope_id().with("least cameras");
+    let mut least: u32 = ui.data(|data| data.get_temp(id)).unwrap_or(2);
+    let knows_votes = state.has_capture();
+    let why_not = "A store does not hold which cameras confirm its samples; open the capture, or use overlook edit --capture.";
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, region, is_known) in [
+            (
+                "Contradicted",
+                "Samples that more other cameras look past than confirm.",
+                Region::Contradicted,
+                knows_votes,
+            ),
+            (
+                "One camera",
+                "Samples that no other camera could have seen.",
+                Region::SeenByOneCamera,
+                knows_votes,
+            ),
+            (
+                "Doubtful",
+                "Samples that no other camera confirms among noisy cameras.",
+                Region::Doubtful,
+                true,
+            ),
+        ] {
+            let button =
+                ui.add_enabled(is_known, egui::Button::new(name)).accessible_name(format!("Select {name}"));
+            if button.on_hover_text(help).on_disabled_hover_text(why_not).clicked() {
+                sent.push(EditCommand::Select(region));
+            }
+        }
+        let button = ui.add_enabled(knows_votes, egui::Button::new("Confirmed by fewer than"));
+        let button = button.accessible_name("Select confirmed by fewer");
+        let help = "Samples that fewer other cameras than this confirm.";
+        if button.on_hover_text(help).on_disabled_hover_text(why_not).clicked() {
+            sent.push(EditCommand::Select(Region::ConfirmedByFewerThan(least)));
+        }
+        let drag = ui.add(DragValue::new(&mut least).range(1..=64)).accessible_name("Least cameras");
+        if drag.changed() {
+            ui.data_mut(|data| data.insert_temp(id, least));
+            if matches!(state.doc.edits.selection, Some(Region::ConfirmedByFewerThan(_))) {
+                sent.push(EditCommand::Reshape(Some(Region::ConfirmedByFewerThan(least))));
+            }
+        }
+        cameras_ui(
+            ui,
+            state,
+            "Camera",
+            |camera| EditCommand::Select(Region::Cameras(vec![camera.to_owned()])),
+            sent,
+        );
+    });
+}
+
+/// Selects by ranges, whose ends are then numbers of the selection.
+fn ranges_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
+    let distance = state.live.orbit.as_ref().map_or(1.0, |orbit| orbit.pivot_distance);
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, region) in [
+            (
+                "Near and far",
+                "Samples by their depth in their own camera; at first those nearer than what the view turns about.",
+                Region::Depth { from: 0.0, to: distance },
+            ),
+            (
+                "Angle",
+                "Samples by the angle between their surface's normal and the direction to their camera, where normals are stored; at first \
+                 those seen at a slant.",
+                SLANTED,
+            ),
+        ] {
+            if ui.button(name).on_hover_text(help).accessible_name(format!("Select {name}")).clicked() {
+                sent.push(EditCommand::Select(region));
+            }
+        }
+        let channels = state.value_channels();
+        if !channels.is_empty() {
+            ui.menu_button("Value", |ui| {
+                for channel in channels {
+                    if ui.button(&channel.name).clicked() {
+                        let [from, to] = channel.range.map(f64::from);
+                        let name = channel.name.clone();
+                        sent.push(EditCommand::Select(Region::Value { name, from, to }));
+                    }
+                }
+            });
+        }
+    });
+}
+
+/// A button that takes a tool up or lays it down.
+fn tool_ui(
+    ui: &mut Ui,
+    state: &State,
+    &(tool, name, key, help): &(EditTool, &str, &str, &str),
+    does: &str,
+    sent: &mut Vec<EditCommand>,
+) {
+    let is_on = state.doc.edits.tools.tool == Some(tool);
+    let button = ui.selectable_label(is_on, name).accessible_name(format!("{does} {name}"));
+    if button.on_hover_text(format!("{help} ({key})")).clicked() {
+        sent.push(EditCommand::Tools(state.doc.edits.tools.with(tool)));
+    }
+}
+
+/// How wide the brush is, while there is one.
+fn brush_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
+    if !state.doc.edits.tools.tool.is_some_and(EditTool::has_radius) {
+        return;
+    }
+    ui.horizontal(|ui| {
+        ui.label("Radius");
+        let mut radius = state.doc.edits.tools.radius;
+        let slider = Slider::new(&mut radius, BRUSH_RADII).logarithmic(true).fixed_decimals(0).suffix(" px");
+        let slider = ui.add(slider).on_hover_text("Radius of the brush on the screen ([ and ]).");
+        if slider.changed() {
+            sent.push(EditCommand::Tools(EditTools { radius, ..state.doc.edits.tools }));
+        }
+    });
+}
+
+/// Masks, which are drawn in source pictures.
+pub(crate) fn mask_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
+    if !state.has_capture() {
+        return;
+    }
+    heading_ui(ui, "Mask pixels of a camera");
+    ui.horizontal_wrapped(|ui| {
+        for tool in EditTool::ALL.iter().filter(|(tool, ..)| *tool == EditTool::Mask) {
+            tool_ui(ui, state, tool, "Draw", sent);
+        }
+        if state.has_time() {
+            range_ui(ui, state, "Mask", sent);
+        }
+    });
+}
+
+/// The first and the last frame of a range.
+pub(crate) fn range_ui(ui: &mut Ui, state: &State, what: &str, sent: &mut Vec<EditCommand>) {
+    let numbers = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.frame_numbers);
+    let Some((first, last)) = numbers.first().zip(numbers.last()) else { return };
+    let mut range = state.doc.edits.tools.range.unwrap_or([*first, *last]);
+    let mut changed = false;
+    for (at, (before, name)) in range.iter_mut().zip([("frames", "first frame"), ("to", "last frame")]) {
+        ui.label(before);
+        let drag = ui.add(DragValue::new(at).range(*first..=*last));
+        changed |= drag.accessible_name(format!("{what}: {name}")).changed();
+    }
+    if changed {
+        sent.push(EditCommand::Tools(EditTools { range: Some(range), ..state.doc.edits.tools }));
+    }
+}
+
+/// A menu of cameras, by their names.
+pub(crate) fn cameras_ui(
+    ui: &mut Ui,
+    state: &State,
+    name: &str,
+    command: impl Fn(&str) -> EditCommand,
+    sent: &mut Vec<EditCommand>,
+) {
+    let Some(scene) = &state.doc.scene else { return };
+    ui.menu_button(name, |ui| {
+        ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+            for camera in &scene.cameras {
+                if ui.button(&camera.name).clicked() {
+                    sent.push(command(&camera.name));
+                }
+            }
+        });
+    });
+}

@@ -7,15 +7,17 @@ use egui::{Color32, ColorImage};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::dimmed_fills::dim_fills;
-use super::shown_samples::CameraFilter;
 use crate::app::camera_cues;
 use crate::app::colormap::{agreeing, dimmed, diverging, mix};
-use crate::app::rooms::colors::model::Display;
-use crate::app::rooms::colors::work::{background_at, displayed, histogram_of};
-use crate::app::rooms::live::model::{ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource};
-use crate::app::rooms::source::model::RATIO_RANGE;
+use crate::app::model::Message;
+use crate::app::model::look::Display;
+use crate::app::model::picture::{
+    CarriedLook, CarryKey, ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE,
+};
+use crate::app::rooms::live::work::dimmed_fills::dim_fills;
 use crate::app::theme::Tokens;
+use crate::app::work::develop::{background_at, displayed, histogram_of};
+use crate::app::work::shown_samples::CameraFilter;
 use overlook_engine::capture::sighting::tolerances::PAINTED_SAMPLE;
 use overlook_engine::capture::sighting::{Sighting, compare};
 use overlook_engine::error::Result;
@@ -24,7 +26,8 @@ use overlook_engine::job::Job;
 use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::render::gpu::HolePattern;
 use overlook_engine::render::{
-    NO_IMAGE, Painter, Picture, RenderStats, Renderer, ValueColors, WindowPicture, output,
+    NO_IMAGE, Painter, Picture, PictureCarrier, RenderStats, Renderer, ScreenPicture, ValueColors,
+    WindowPicture, output,
 };
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Antialias, RenderSettings};
@@ -258,11 +261,34 @@ fn log2_spacing(key: &LiveKey, camera: usize, pixel: DVec2, inverse_depth: f64) 
     (source_depth * inverse_depth / focal).log2() as f32
 }
 
+/// Answers a request; without a picture where nothing of it is in view, or its pixels cannot be read.
+pub(crate) fn carry(carrier: &mut PictureCarrier, key: CarryKey) -> Message {
+    let carried = match &key.picture.pixels {
+        PixelSource::OnAdapter(_) => None,
+        PixelSource::InMemory { image, rendered } => {
+            let picture = ScreenPicture {
+                colors: bytemuck::cast_slice(&image.pixels),
+                inverse_depth: &rendered.inverse_depth,
+                camera: &key.from,
+            };
+            carrier.carry(&picture, &key.to)
+        }
+    };
+    let carried = carried.map(|carried| {
+        let (width, height) = carried.inverse_depth.size();
+        let pixels =
+            carried.colors.iter().map(|[r, g, b, a]| Color32::from_rgba_premultiplied(*r, *g, *b, *a));
+        let image = ColorImage::new([width, height], pixels.collect());
+        CarriedLook { image: Arc::new(image), inverse_depth: carried.inverse_depth }
+    });
+    Message::LiveCarried { key, carried }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::app::model::Same;
-    use crate::app::rooms::live::model::ShownCameras;
+    use crate::app::model::look::ShownCameras;
     use glam::DVec3;
     use overlook_engine::capture::{Camera, Intrinsics};
     use overlook_engine::render::Vantage;
@@ -344,7 +370,8 @@ mod tests {
                 values: overlook_engine::capture::Values::default(),
             })
         };
-        let samples = Arc::new(SampleSet { images: vec![image(0), image(1)], ..(*key(1.0).samples).clone() });
+        let samples =
+            Arc::new(SampleSet { images: vec![image(0), image(1)], ..(**key(1.0).samples).clone() });
         let mut filter = CameraFilter::default();
         let all = filter.of(samples.clone(), &ShownCameras::default());
         assert!(Arc::ptr_eq(&all, &samples));

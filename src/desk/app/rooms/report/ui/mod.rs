@@ -1,13 +1,521 @@
-//! What is drawn.
+//! How many samples each rule pruned, for which camera; how well cameras agree; and how noisy the capture is.
 
-pub(crate) mod alignment;
 pub(crate) mod causes;
-pub(crate) mod matrix;
-pub(crate) mod memory_view;
-pub(crate) mod pair_grid;
-pub(crate) mod panel;
-pub(crate) mod totals;
+pub(crate) mod pairs;
 
-pub(crate) use memory_view::memory_ui;
-pub(crate) use panel::{matrix_view_ui, report_ui};
-pub(crate) use totals::totals_ui;
+use egui::{Align, Color32, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
+use egui_extras::{Column, TableBuilder};
+use egui_material_icons::icons::{ICON_GRID_ON, ICON_MEMORY};
+
+use crate::app::camera_cues;
+use crate::app::model::command::WindowCommand;
+use crate::app::model::purpose::Table;
+use crate::app::model::window::DockView;
+use crate::app::model::{self, Accuracy, CameraMemory, Command, Commands, Content, State};
+use crate::app::rooms::report::ui::causes::{alignment_ui, causes_ui};
+use crate::app::rooms::report::ui::pairs::{agreement_ui, by_weight, replacements_ui, short};
+use crate::app::theme::{Tokens, figure_style, space};
+use crate::app::widgets::{dot, empty_ui, note, one_line, table_buttons_ui, table_ui, weak};
+use overlook_engine::plural::counted;
+use overlook_engine::preprocess::diagnostics::{CameraReport, PixelAccount, Report};
+
+pub(crate) fn report_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let Some(report) = state.report() else {
+        ui.add_space(space::MEDIUM);
+        weak(ui, "The report appears here once the whole capture is pruned.");
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        ui.set_max_width(ui.available_width() - space::MEDIUM);
+        stale_ui(ui, state);
+        rules_ui(ui, report, commands);
+        ui.add_space(space::LARGE);
+        replacements_ui(ui, report, commands);
+        ui.add_space(space::LARGE);
+        agreement_ui(ui, report, commands);
+        ui.add_space(space::LARGE);
+        alignment_ui(ui, state, report, commands);
+        cameras_ui(ui, report, commands);
+        ui.add_space(space::LARGE);
+    });
+}
+
+/// A note on numbers that were made with other settings.
+pub(crate) fn stale_ui(ui: &mut Ui, state: &State) {
+    if let Some(words) = state.stale_note() {
+        ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
+    }
+}
+
+/// Width from which on matrices stand beside each other.
+const TWO_COLUMNS: f32 = 720.0;
+
+/// The matrices alone.
+pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let Some(report) = state.report() else {
+        let text = "Which camera replaces which, and how well cameras agree, is known once the whole capture is pruned.";
+        empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        stale_ui(ui, state);
+        if ui.available_width() < TWO_COLUMNS {
+            alignment_ui(ui, state, report, commands);
+            replacements_ui(ui, report, commands);
+            ui.add_space(space::LARGE);
+            agreement_ui(ui, report, commands);
+        } else {
+            ui.columns(2, |columns| {
+                replacements_ui(&mut columns[0], report, commands);
+                alignment_ui(&mut columns[1], state, report, commands);
+                agreement_ui(&mut columns[1], report, commands);
+            });
+        }
+    });
+}
+
+fn rule_words(rule: &str) -> (String, &'static str) {
+    let (words, help) = match rule {
+        "static" => (
+            "Repeated over time",
+            "Repetitions over time that one sample stored for several frames replaces.",
+        ),
+        "lower_rate" => ("Seen better elsewhere", "Another camera samples the point more densely."),
+        "tie" => ("Seen equally well", "Equal rates: the earlier camera's sample stays."),
+        "later_camera" => ("Seen by an earlier camera", "First camera wins, whatever the sampling rate."),
+        "mixed_yields" => (
+            "Edge-blended, another is clean",
+            "Color or depth is blended across an edge, and a clean sample shows the point.",
+        ),
+        "unsure_yields" => (
+            "Normal unknown",
+            "The normal is not known here, and a sample with a known normal shows the point.",
+        ),
+        "mixed_dropped" => (
+            "Edge-blended, rejected",
+            "Color or depth is blended across an edge, and the settings drop such samples.",
+        ),
+        "contradicted" => (
+            "Contradicted",
+            "More cameras contradict the point than confirm it: one camera misread it, or it flies between foreground and background.",
+        ),
+        "no_sample" => ("Without depth", "The pixel has no depth and takes part in nothing."),
+        "cut" => (
+            "Cut by hand",
+            "An edit deletes it: its camera was left out, or it is in a region that was deleted.",
+        ),
+        other => return (model::words(other), ""),
+    };
+    (words.to_owned(), help)
+}
+
+fn rules_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    ui.heading("What was dropped, and why");
+    let account = report.pixel_account();
+    let others = [("no_sample", account.without_depth), ("cut", account.cut)];
+    let rules = report.pruned.iter().map(|(rule, count)| (rule.as_str(), *count));
+    let mut rules: Vec<_> = rules.chain(others).filter(|(_, count)| *count > 0).collect();
+    rules.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    if rules.is_empty() {
+        weak(ui, "Nothing was pruned.");
+    }
+    for (rule, count) in rules {
+        let (words, help) = rule_words(rule);
+        let figure = format!("{}  {}", model::count(count), model::percent(count, report.samples_in));
+        share_ui(
+            ui,
+            &words,
+            &figure,
+            count as f32 / report.samples_in.max(1) as f32,
+            tokens.static_over_time,
+        )
+        .on_hover_text(help);
+    }
+    let kept = format!(
+        "{}  {}",
+        model::count(report.samples_kept),
+        model::percent(report.samples_kept, report.samples_in)
+    );
+    let share = report.samples_kept as f32 / report.samples_in.max(1) as f32;
+    share_ui(ui, "Kept", &kept, share, tokens.moving).on_hover_text("Samples that stay.");
+    table_ui(ui, Table::Pixels, commands);
+}
+
+/// How much darker the rim of a bar is.
+const RIM: f32 = 0.35;
+
+/// Heights of a row with a share, and of its bar.
+const SHARE_ROW: f32 = 28.0;
+const SHARE_BAR: f32 = 6.0;
+
+/// A name, a figure, and a bar of the share below them.
+pub(crate) fn share_ui(ui: &mut Ui, name: &str, figure: &str, share: f32, color: Color32) -> egui::Response {
+    tall_share_ui(ui, name, figure, share, color, SHARE_BAR)
+}
+
+/// The same with a bar of a height.
+fn tall_share_ui(
+    ui: &mut Ui,
+    name: &str,
+    figure: &str,
+    share: f32,
+    color: Color32,
+    bar_height: f32,
+) -> egui::Response {
+    let tokens = Tokens::in_ui(ui);
+    let size = vec2(ui.available_width(), SHARE_ROW - SHARE_BAR + bar_height);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let painter = ui.painter();
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    painter.text(rect.left_top(), egui::Align2::LEFT_TOP, name, font.clone(), tokens.text);
+    painter.text(rect.right_top(), egui::Align2::RIGHT_TOP, figure, font, tokens.text_weak);
+    let rail = Rect::from_min_max(
+        egui::pos2(rect.left(), rect.bottom() - 2.0 - bar_height),
+        rect.max - vec2(0.0, 2.0),
+    );
+    painter.rect_filled(rail, 2.0, tokens.raised);
+    let bar = Rect::from_min_size(rail.min, vec2(rail.width() * share.clamp(0.0, 1.0), rail.height()));
+    // The rim keeps light colors visible in a light window.
+    let rim = Stroke::new(1.0, color.lerp_to_gamma(Color32::BLACK, RIM));
+    painter.rect(bar, 2.0, color, rim, StrokeKind::Inside);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("{name}: {figure}")));
+    response
+}
+
+/// What was measured of a camera, and where the tolerances of the spans lie in it.
+fn measured(camera: &CameraReport) -> String {
+    let ranges = &camera.ranges;
+    let percent = |share: f32| format!("{:.1} %", 100.0 * share);
+    let half = ranges.color_percentiles_steps.first().copied().unwrap_or(0.0);
+    let between = camera.noise_between().map_or_else(String::new, |noise| format!("{noise}\n"));
+    format!(
+        "{between}Depth noise {:.1e}, depth recorded in steps of {:.1e}, both relative.\nOver all frames the color of half of the \
+         pixels stays within {half:.1} steps. Within the tolerance: {}; with what noise explains: {}.\nDepth within {:.1e}: \
+         {} of the pixels.",
+        camera.depth_noise_relative,
+        camera.depth_step_relative,
+        percent(ranges.within_color_tolerance),
+        percent(ranges.within_color_tolerance_and_noise),
+        ranges.depth_granted_relative,
+        percent(ranges.within_depth_granted),
+    )
+}
+
+/// Height of a row of the table of cameras.
+const CAMERA_ROW: f32 = 20.0;
+
+fn cameras_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+    ui.heading("Cameras");
+    table_ui(ui, Table::Cameras, commands);
+    let kept = |index: usize| report.cameras[index].background_kept + report.cameras[index].foreground_kept;
+    let order = by_weight(report.cameras.len(), |index| kept(index) as f32);
+    let frames = report.foreground_per_frame.len().max(1) as u64;
+    let columns =
+        [Column::remainder().clip(true), Column::initial(66.0), Column::initial(60.0), Column::initial(50.0)];
+    let mut table = TableBuilder::new(ui).id_salt("cameras").striped(true).vscroll(order.len() > SCROLLED);
+    table = table.cell_layout(Layout::left_to_right(Align::Center));
+    for column in columns {
+        table = table.column(column);
+    }
+    let table = table.max_scroll_height(SCROLLED as f32 * CAMERA_ROW).header(CAMERA_ROW, |mut header| {
+        for (title, help) in [
+            ("Name", "Name of the camera."),
+            ("Kept", "Samples kept of all its pixels."),
+            ("Static", "Share of its pixels that are the same over all frames."),
+            ("Noise", "Measured color noise of static pixels, in 8-bit steps."),
+        ] {
+            header.col(|ui| {
+                note(ui, title).on_hover_text(help);
+            });
+        }
+    });
+    table.body(|body| {
+        body.rows(CAMERA_ROW, order.len(), |mut row| {
+            let index = order[row.index()];
+            let camera = &report.cameras[index];
+            row.col(|ui| {
+                dot(ui, index);
+                ui.label(short(&camera.name, 14)).on_hover_text(&camera.name);
+            });
+            row.col(|ui| {
+                ui.label(model::count(kept(index)));
+            });
+            row.col(|ui| {
+                ui.label(model::percent(camera.background_pixels, camera.pixels / frames));
+            });
+            row.col(|ui| {
+                ui.label(format!("{:.2}", camera.color_noise_steps)).on_hover_text(measured(camera));
+            });
+        });
+    });
+}
+
+/// Cameras from which on their table is scrolled by itself.
+const SCROLLED: usize = 16;
+
+/// Height of a figure with its name.
+const FIGURE: f32 = 38.0;
+
+/// Between a figure and its note.
+const GAP: f32 = 6.0;
+
+/// Between a note and the next figure.
+const MARGIN: f32 = 14.0;
+
+/// A figure with its name.
+pub(crate) struct KeyFigure {
+    pub name: &'static str,
+    pub value: String,
+    pub note: String,
+    help: String,
+    /// Whether it changes with the whole-capture settings, so that it can be out of date.
+    of_whole: bool,
+}
+
+/// The note on what is known of the frame that is shown, until the whole capture is pruned.
+const THIS_FRAME: &str = "this frame";
+
+/// Width of the bars beside the figures at most, points; as many again as figures need are theirs first.
+const CAUSES_MOST: f32 = 640.0;
+
+pub(crate) fn totals_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let figures = figures(state);
+    let account = state.report().map(Report::pixel_account).or(account_here(state));
+    let (needed, spare) = widths(ui, &figures);
+    let bars = if account.is_some() { spare.min(CAUSES_MOST) } else { 0.0 };
+    let more = (spare - bars) / figures.len().max(1) as f32;
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for (figure, width) in figures.iter().zip(needed) {
+            let size = vec2(width + more, FIGURE);
+            ui.allocate_ui_with_layout(size, Layout::top_down(Align::Min), |ui| {
+                figure_ui(ui, figure, state.is_stale());
+            });
+        }
+        let Some(account) = account else { return };
+        ui.allocate_ui_with_layout(vec2(bars, FIGURE), Layout::top_down(Align::Min), |ui| {
+            if causes_ui(ui, &account).is_some_and(|bars| bars.clicked()) {
+                commands.push(Command::Window(WindowCommand::OpenView(DockView::Report)));
+            }
+        });
+    });
+}
+
+/// What each figure needs, and what is left beside them.
+fn widths(ui: &Ui, figures: &[KeyFigure]) -> (Vec<f32>, f32) {
+    let styles = (figure_style().resolve(ui.style()), egui::TextStyle::Small.resolve(ui.style()));
+    let width_of = |text: &str, font: &egui::FontId| {
+        ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::PLACEHOLDER).size().x
+    };
+    let needed: Vec<f32> = figures
+        .iter()
+        .map(|figure| {
+            let line = width_of(&figure.value, &styles.0) + GAP + width_of(&figure.note, &styles.1);
+            line.max(width_of(figure.name, &styles.1)) + MARGIN
+        })
+        .collect();
+    let spare = (ui.available_width() - needed.iter().sum::<f32>()).max(0.0);
+    (needed, spare)
+}
+
+fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
+    let tokens = Tokens::in_ui(ui);
+    let stale = stale && figure.of_whole;
+    ui.set_min_width(ui.available_width());
+    ui.set_max_width(ui.available_width() - MARGIN);
+    ui.spacing_mut().item_spacing = vec2(GAP, 1.0);
+    let name = RichText::new(figure.name).small().color(tokens.text_weak);
+    let note = if stale { "out of date" } else { &figure.note };
+    let color = if stale { tokens.text_weak } else { tokens.text };
+    let response = ui
+        .vertical(|ui| {
+            ui.label(name);
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(&figure.value).text_style(figure_style()).color(color));
+                let note_color = if stale { tokens.warning } else { tokens.text_weak };
+                one_line(ui, note, note_color);
+            });
+        })
+        .response;
+    let mut help = figure.help.clone();
+    if stale {
+        help.push_str(
+            " A setting was changed since; the number is out of date until the capture is pruned again.",
+        );
+    }
+    response.on_hover_text(help);
+}
+
+/// What became of the pixels of the frame that is shown, while nothing is known of the others.
+fn account_here(state: &State) -> Option<PixelAccount> {
+    let is_unknown = state.report().is_none() && state.inspection_here().is_some();
+    state.doc.inspected.as_ref().filter(|_| is_unknown).map(|inspected| inspected.account)
+}
+
+/// Every figure, from left to right.
+pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
+    let report = state.report();
+    let here = account_here(state);
+    let of_frame = |value: String| [value, THIS_FRAME.to_owned()];
+    let bytes_here = state.inspection_here().filter(|_| here.is_some()).map(|it| it.samples.bytes());
+    let account = report.map(Report::pixel_account).or(here);
+    let figure = |name, of_whole, value_and_note: Option<[String; 2]>, help: &str| {
+        let [value, note] = value_and_note.unwrap_or_else(|| ["…".to_owned(), String::new()]);
+        let first =
+            if note == THIS_FRAME { "Of the frame that is shown, until all are pruned. " } else { "" };
+        KeyFigure { name, value, note, help: format!("{first}{help}"), of_whole }
+    };
+    let memory_note = |report: &Report| match state.content() {
+        Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
+        _ => format!("of {}", model::bytes(report.bytes_raw)),
+    };
+    let seconds = report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0);
+    let render = state.doc.live_shown.as_ref().map(|shown| {
+        let stats = &shown.picture.stats;
+        let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
+        let covered = model::percent(pixels.saturating_sub(stats.holes), pixels);
+        [format!("{} ms", model::significant(stats.milliseconds)), format!("{covered} covered")]
+    });
+    let mut figures = vec![
+        figure(
+            "Samples kept",
+            true,
+            report
+                .map(|r| [model::count(r.samples_kept), format!("of {}", model::count(r.samples_in))])
+                .or(here.map(|account| of_frame(model::count(account.kept)))),
+            "The samples kept, of all pixels of all frames of all cameras.",
+        ),
+        figure(
+            "Dropped",
+            true,
+            account.map(|account| {
+                let note = if report.is_some() { String::new() } else { THIS_FRAME.to_owned() };
+                [model::percent(account.not_kept(), account.pixels), note]
+            }),
+            &account.map_or_else(String::new, |account| dropped_help(&account)),
+        ),
+        figure(
+            "Memory",
+            true,
+            report
+                .map(|r| [model::bytes(r.bytes_memory), memory_note(r)])
+                .or(bytes_here.map(|bytes| of_frame(model::bytes(bytes)))),
+            "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth; a saved store is smaller.",
+        ),
+    ];
+    // What nobody can know here has no place.
+    if state.doc.accuracy.is_some() || state.has_truth() {
+        figures.push(accuracy_figure(state.doc.accuracy, figure));
+    }
+    if state.has_capture() {
+        let help = "Seconds that pruning the whole capture took.";
+        let took = seconds.map(|pruned| format!("{help} {}.", model::took(state.doc.read_seconds, pruned)));
+        figures.push(figure(
+            "Pruning",
+            true,
+            seconds.map(|seconds| [format!("{} s", model::significant(seconds)), String::new()]),
+            took.as_deref().unwrap_or(help),
+        ));
+    }
+    figures.push(figure(
+        "Live view",
+        false,
+        render,
+        "Milliseconds that rendering the live view took, and the share of it that samples reached.",
+    ));
+    figures
+}
+
+/// The parts of what is not kept, which add up.
+fn dropped_help(account: &PixelAccount) -> String {
+    let [_, dropped @ ..] = model::account_parts(account);
+    let parts = dropped.into_iter().filter(|(_, pixels)| *pixels > 0);
+    let parts = parts.map(|(what, pixels)| format!("{} {what}", model::percent(pixels, account.pixels)));
+    format!(
+        "Share of all pixels of all frames of all cameras that are not kept: {}. Redundant are those that a kept sample represents at \
+         least as well.",
+        parts.collect::<Vec<_>>().join(", ")
+    )
+}
+
+fn accuracy_figure(
+    accuracy: Option<Accuracy>,
+    figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> KeyFigure,
+) -> KeyFigure {
+    let Some(accuracy) = accuracy else {
+        let help = "Accuracy is measured at the viewpoints whose true picture is known, once the scene is pruned and rests: not while it \
+                    plays, nor after Esc.";
+        return figure("Accuracy", true, None, help);
+    };
+    let Accuracy { psnr_db, unpruned_psnr_db, views } = accuracy;
+    let help = format!(
+        "Mean PSNR at {} whose true picture is known, over the pixels that samples reached: charts fill holes first \
+         and count all. With nothing pruned it is {unpruned_psnr_db:.1} dB.",
+        counted(views, "viewpoint")
+    );
+    let change = format!("{:+.2} dB vs unpruned", psnr_db - unpruned_psnr_db);
+    figure("Accuracy", true, Some([format!("{psnr_db:.1} dB"), change]), &help)
+}
+
+pub(crate) fn memory_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let (Some(scene), Some(cameras)) = (&state.doc.scene, &state.doc.memory) else {
+        let (title, text) = if state.doc.scene.is_none() || state.has_capture() {
+            ("No samples yet", "What the kept samples take is known once the whole capture is pruned.")
+        } else {
+            (
+                "A store plays from disk",
+                "Only the samples around the frame shown are in memory; what all of them would take is the figure at the top.",
+            )
+        };
+        empty_ui(ui, ICON_MEMORY, title, text, |_| {});
+        return;
+    };
+    let bytes = |camera: &CameraMemory| camera.lasting_bytes + camera.frame_bytes;
+    let total: u64 = cameras.iter().map(bytes).sum();
+    let words = format!("{} of samples in memory, by camera.", model::bytes(total));
+    ui.horizontal_wrapped(|ui| {
+        note(ui, words);
+        table_buttons_ui(ui, Table::Memory, commands);
+    });
+    stale_ui(ui, state);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let mut order: Vec<usize> = (0..cameras.len().min(scene.cameras.len())).collect();
+        order.sort_by_key(|index| std::cmp::Reverse(bytes(&cameras[*index])));
+        let height = bar_height(ui.clip_rect().height(), order.len(), ui.spacing().item_spacing.y);
+        for index in order {
+            let (memory, camera) = (&cameras[index], &scene.cameras[index]);
+            let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
+            let share = bytes(memory) as f32 / total.max(1) as f32;
+            let color = camera_cues::color(index);
+            tall_share_ui(ui, &camera.name, &figure, share, color, height).on_hover_text(format!(
+                "{}. Stored for several frames: {}, for one: {}.",
+                model::count_of(memory.samples, "sample"),
+                model::bytes(memory.lasting_bytes),
+                model::bytes(memory.frame_bytes)
+            ));
+        }
+    });
+}
+
+/// Heights of a bar: as elsewhere, and at most, where few cameras have much room.
+const HEIGHTS: std::ops::RangeInclusive<f32> = SHARE_BAR..=36.0;
+
+/// Height of bars at which all rows fit into a height, if any.
+fn bar_height(height: f32, rows: usize, gap: f32) -> f32 {
+    let row = height / rows.max(1) as f32 - gap;
+    (row - (SHARE_ROW - SHARE_BAR)).clamp(*HEIGHTS.start(), *HEIGHTS.end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bars_grow_while_all_rows_fit() {
+        assert_eq!(bar_height(200.0, 20, 4.0), SHARE_BAR);
+        let grown = bar_height(400.0, 10, 4.0);
+        assert!(grown > SHARE_BAR && 10.0 * (SHARE_ROW - SHARE_BAR + grown + 4.0) <= 400.0, "{grown}");
+        assert_eq!(bar_height(2000.0, 3, 4.0), 36.0);
+    }
+}

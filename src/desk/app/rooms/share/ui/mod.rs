@@ -1,7 +1,264 @@
-//! What is drawn.
+//! The dialog of all ways out: what each is for, how large it will be, and its making.
 
 pub(crate) mod options;
-pub(crate) mod panel;
-pub(crate) mod picture_menu;
 
-pub(crate) use panel::share_ui;
+use egui::{Align, Button, Frame, Id, Label, Layout, Modal, ProgressBar, RichText, Ui, Vec2};
+use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN, ICON_LINK};
+
+use crate::app::model::command::{FileCommand, ViewCommand};
+use crate::app::model::ways_out::{ShareCommand, ShareOptions, ShareWay};
+use crate::app::model::{self, Busy, Command, Commands, State, StoppableWork};
+use crate::app::rooms::files::paths::what_is_missing;
+use crate::app::rooms::share::state::ShareOutcome;
+use crate::app::rooms::share::ui::options::options_ui;
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{note, weak};
+
+/// Width of the dialog and of the list of ways, points.
+const WIDTH: f32 = 760.0;
+const LIST: f32 = 262.0;
+
+/// Height of what is beside the list, so that nothing moves when another way is chosen.
+const HEIGHT: f32 = 330.0;
+
+/// Height of a way in the list.
+const ROW: f32 = 34.0;
+
+/// The dialog, while it is open.
+pub(crate) fn share_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let share = &state.share;
+    if !share.is_open {
+        return;
+    }
+    let mut options = share.options.clone();
+    let frame = Frame::popup(&ctx.style_of(ctx.theme())).inner_margin(space::LARGE);
+    let modal = Modal::new(Id::unique("share")).frame(frame).show(ctx, |ui| {
+        ui.set_width(WIDTH);
+        ui.heading("Share");
+        ui.add_space(space::MEDIUM);
+        ui.horizontal_top(|ui| {
+            ui.spacing_mut().item_spacing.x = space::LARGE;
+            ui.vertical(|ui| ways_ui(ui, state, &mut options));
+            ui.vertical(|ui| {
+                ui.set_width(ui.available_width());
+                ui.set_min_height(HEIGHT);
+                ui.spacing_mut().item_spacing.x = space::MEDIUM;
+                way_ui(ui, state, &mut options, commands);
+            });
+        });
+        ui.add_space(space::SMALL);
+        ui.separator();
+        footer_ui(ui, commands);
+    });
+    if options != share.options {
+        commands.push(Command::Share(ShareCommand::Change(Box::new(options))));
+    }
+    if modal.should_close() {
+        commands.push(Command::Share(ShareCommand::Close));
+    }
+}
+
+fn footer_ui(ui: &mut Ui, commands: &mut Commands) {
+    ui.horizontal(|ui| {
+        let copy = ui.button((ICON_LINK.rich_text(), "Copy the address of this view"));
+        let copy = copy.accessible_name("Copy the address of this view from here");
+        if copy.on_hover_text("For whoever has the scene or its page (Ctrl+L).").clicked() {
+            commands.push(Command::View(ViewCommand::CopyAddress));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.button("Close").accessible_name("Close sharing").clicked() {
+                commands.push(Command::Share(ShareCommand::Close));
+            }
+        });
+    });
+}
+
+/// Every way with its size.
+fn ways_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
+    ui.set_width(LIST);
+    ui.spacing_mut().item_spacing.y = 2.0;
+    for (way, name, used) in ShareWay::ALL {
+        let size = state.share_size(way).text;
+        let button = Button::selectable(way == options.way, name)
+            .shortcut_text(size.as_str())
+            .min_size(Vec2::new(LIST, ROW));
+        let button = ui.add(button).accessible_name(format!("{name}: {size}"));
+        if button.on_hover_text(used).clicked() {
+            options.way = way;
+        }
+    }
+}
+
+/// The chosen way: what it is for, its options, its size, and its making.
+fn way_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
+    let (name, used) = options.way.name_and_use();
+    ui.label(RichText::new(name).strong().size(15.0));
+    ui.add(Label::new(RichText::new(used).color(Tokens::in_ui(ui).text_weak)).wrap());
+    ui.add_space(space::MEDIUM);
+    options_ui(ui, state, options, commands);
+    ui.add_space(space::MEDIUM);
+    let size = state.share_size(options.way);
+    ui.horizontal_wrapped(|ui| {
+        ui.label(RichText::new(model::sentence(&size.text)).strong());
+        weak(ui, size.reason);
+    });
+    preview_ui(ui, state);
+    ui.add_space(space::SMALL);
+    let writing = state.share.asked.as_ref().and_then(|_| busy_of(state));
+    if let Some(busy) = writing {
+        progress_ui(ui, busy, commands);
+        return;
+    }
+    make_ui(ui, state, options, commands);
+    ui.add_space(space::SMALL);
+    if let Some(outcome) = &state.share.outcome {
+        outcome_ui(ui, outcome, commands);
+    }
+}
+
+/// Height of a preview, points.
+const PREVIEW: f32 = 108.0;
+
+/// What a budget leaves of the view, while it makes it coarser.
+fn preview_ui(ui: &mut Ui, state: &State) {
+    let Some(key) = state.share_preview_key() else { return };
+    let intrinsics = key.vantage.camera.intrinsics;
+    let size = Vec2::new(PREVIEW * intrinsics.width as f32 / intrinsics.height.max(1) as f32, PREVIEW);
+    let shown = state.share.preview.as_ref();
+    let is_late = shown.is_none_or(|shown| shown.key != key);
+    ui.add_space(space::SMALL);
+    ui.horizontal_top(|ui| {
+        let (area, response) = ui.allocate_exact_size(size, egui::Sense::hover());
+        let picture = shown.and_then(|shown| shown.picture.as_ref());
+        response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Preview of what is shared"));
+        if let Some((texture, _)) = picture {
+            crate::app::widgets::picture(ui.painter(), texture.id(), area);
+        } else {
+            ui.painter().rect_filled(area, 4.0, Tokens::in_ui(ui).surface);
+        }
+        if is_late {
+            crate::app::widgets::waiting(ui, area, 20.0);
+        }
+        ui.vertical(|ui| {
+            let kept = model::percent((key.share * 1e6) as u64, 1_000_000);
+            let text = match (is_late, picture) {
+                (true, _) => "Preview…".to_owned(),
+                (false, None) => "So little holds nothing of this frame.".to_owned(),
+                (false, Some((_, decibels))) => {
+                    let like = decibels.map_or_else(String::new, |decibels| {
+                        format!(", {} dB from that of all samples", model::significant(decibels))
+                    });
+                    format!("This view of about {kept} of the samples{like}.")
+                }
+            };
+            ui.add(Label::new(RichText::new(text).small().color(Tokens::in_ui(ui).text_weak)).wrap());
+        });
+    });
+}
+
+/// The work that writes what is shared.
+fn busy_of(state: &State) -> Option<&Busy> {
+    let is_writing = |busy: &&Busy| matches!(busy.work, StoppableWork::Export | StoppableWork::File);
+    state.busy.iter().find(is_writing)
+}
+
+/// Width of the bar of what is written, points.
+const BAR: f32 = 260.0;
+
+fn progress_ui(ui: &mut Ui, busy: &Busy, commands: &mut Commands) {
+    let progress = &busy.progress;
+    let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
+    ui.add(Label::new(stage).truncate());
+    ui.horizontal(|ui| {
+        // As wide before anything is counted, so that *Cancel* does not move away from the pointer.
+        let area = Vec2::new(BAR, ui.spacing().interact_size.y);
+        ui.allocate_ui_with_layout(area, Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(BAR);
+            if progress.total > 0 {
+                let bar = ProgressBar::new(progress.fraction()).desired_width(BAR).desired_height(8.0);
+                ui.add(bar.fill(Tokens::in_ui(ui).accent)).accessible_name("Progress of sharing");
+            } else {
+                ui.add(egui::Spinner::new().size(16.0));
+            }
+        });
+        let cancel = ui.button((ICON_CANCEL.rich_text(), "Cancel")).accessible_name("Cancel sharing");
+        if cancel.clicked() {
+            commands.push(Command::Share(ShareCommand::Stop));
+        }
+        if let Some(secs) = busy.secs_left {
+            weak(ui, model::time_left(secs));
+        }
+    });
+    note(ui, "It goes on when this is closed; the line at the bottom shows it.");
+}
+
+/// What the button of a way says.
+fn action(way: ShareWay) -> &'static str {
+    match way {
+        ShareWay::Page => "Make the page…",
+        ShareWay::Splats => "Make the splats…",
+        ShareWay::Film => "Make the video…",
+        ShareWay::Pictures => "Save pictures…",
+        ShareWay::Figure => "Save the figure…",
+        ShareWay::Points => "Save the points…",
+        ShareWay::Cameras => "Save the cameras…",
+        ShareWay::Store => "Save the store…",
+    }
+}
+
+fn make_ui(ui: &mut Ui, state: &State, options: &ShareOptions, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    let purpose = options.purpose();
+    let missing = what_is_missing(state, purpose);
+    ui.horizontal(|ui| {
+        ui.add_enabled_ui(missing.is_none(), |ui| {
+            let words = RichText::new(action(options.way)).color(tokens.on_accent);
+            let make = ui.add(Button::new(words).fill(tokens.accent));
+            let make = make.accessible_name(action(options.way));
+            // Enter goes on, as it does in the system's dialogs; a field for the path has the keyboard to itself.
+            if state.typed_path.is_some() {
+                make.surrender_focus();
+            } else if missing.is_none() && ui.memory(|memory| memory.focused().is_none()) {
+                make.request_focus();
+            }
+            if make.clicked() {
+                commands.push(Command::File(FileCommand::AskPath(purpose)));
+            }
+            let help = "Type the path in place of choosing it.";
+            if ui.button("To path…").on_hover_text(help).clicked() {
+                commands.push(Command::File(FileCommand::TypePath(purpose)));
+            }
+        });
+    });
+    if let Some((_, why)) = missing {
+        ui.add(Label::new(RichText::new(why).color(tokens.warning)).wrap());
+    }
+}
+
+fn outcome_ui(ui: &mut Ui, outcome: &ShareOutcome, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    match outcome {
+        ShareOutcome::Written { said, path } => {
+            ui.horizontal_top(|ui| {
+                ui.label(ICON_CHECK_CIRCLE.rich_text().color(tokens.accent));
+                ui.add(Label::new(format!("{said}.")).wrap());
+            });
+            let place = RichText::new(path.display().to_string()).small().color(tokens.text_weak);
+            ui.add(Label::new(place).truncate().selectable(true)).on_hover_text(path.display().to_string());
+            if ui
+                .button((ICON_FOLDER_OPEN.rich_text(), "Show in folder"))
+                .accessible_name("Show in folder")
+                .clicked()
+            {
+                commands.push(Command::Share(ShareCommand::ShowInFolder(path.clone())));
+            }
+        }
+        ShareOutcome::Failed(why) => {
+            ui.horizontal_top(|ui| {
+                ui.label(ICON_ERROR.rich_text().color(tokens.error));
+                ui.add(Label::new(RichText::new(why).color(tokens.error)).wrap().selectable(true));
+            });
+        }
+    }
+}

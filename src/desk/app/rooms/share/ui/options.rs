@@ -2,14 +2,13 @@
 
 use egui::{DragValue, Grid, RichText, TextEdit, Ui};
 
+use crate::app::model::command::EditCommand;
+use crate::app::model::picture::HoleDisplay;
+use crate::app::model::purpose::{DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth};
+use crate::app::model::ways_out::{ShareOptions, ShareWay, SharedPictures};
 use crate::app::model::{Command, Commands, SIDES, State};
-use crate::app::rooms::edits::model::EditCommand;
-use crate::app::rooms::live::model::HoleDisplay;
 use crate::app::rooms::path::ui::{length_ui, size_ui, still_ui};
-use crate::app::rooms::share::model::{
-    DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth, ShareOptions, ShareWay, SharedPictures,
-};
-use crate::app::rooms::timeline::model::{TimeCommand, Timeline};
+use crate::app::rooms::timeline::{TimeCommand, Timeline};
 use crate::app::widgets::{note, segments_ui, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::FilmComparison;

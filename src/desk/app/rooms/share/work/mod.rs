@@ -1,10 +1,422 @@
-//! What is computed, on threads of its own.
+//! Writes what is shared: a page, splats, points, and the pictures or the film of a camera path.
 
-pub(crate) mod compared_film;
-pub(crate) mod facts;
-pub(crate) mod figures;
-pub(crate) mod looked_film;
-pub(crate) mod preview;
-pub(crate) mod sharing;
+pub(crate) mod figure_meaning;
+pub(crate) mod pictures;
 
-pub(crate) use figures::{FIGURE_ENDINGS, of_camera, of_rendered, write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::ColorImage;
+use half::f16;
+
+use crate::app::colormap::recorded;
+use crate::app::model::command::Exported;
+use crate::app::model::look::Display;
+use crate::app::model::picture::{LiveKey, LivePicture, PixelSource};
+use crate::app::model::purpose::FigureOptions;
+use crate::app::model::{Content, Message, OpenScene, Same, State, bytes, count_of, significant};
+use crate::app::rooms::files::work::save_picture;
+use crate::app::rooms::live::work::image as live_image;
+use crate::app::rooms::path::NO_KEYS;
+use crate::app::rooms::share::state::{PictureFacts, ShareFacts, ShareKey, SharePreview, SharePreviewKey};
+use crate::app::work::develop::developed;
+use crate::app::work::requests::{Export, ExportRequest, FigureExport, PathExport};
+use crate::app::work::shown_samples::CameraFilter;
+use crate::app::work::worker::Wanted;
+use crate::points;
+use overlook_engine::color::srgb_from_linear;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::page::{self, PageOptions, coarsened};
+use overlook_engine::plural::counted;
+use overlook_engine::render::film::{self, FilmEncoder, FilmSource};
+use overlook_engine::render::output::{write_exr, write_png};
+use overlook_engine::render::{CpuRenderer, Picture, Renderer, Vantage};
+use overlook_engine::samples::SampleSet;
+use overlook_engine::splats::{self, SplatOptions};
+use overlook_engine::store::file::{Extras, Store, write_with};
+use overlook_engine::whole_file;
+use overlook_lab::chart::Figure;
+use overlook_lab::metrics::psnr_db;
+
+/// Writes what was asked for. Files take their names once they are whole; of a folder of pictures those that were rendered stay.
+/// Comparisons read whole captures on `threads`.
+pub(crate) fn export(
+    request: &ExportRequest,
+    threads: &Arc<rayon::ThreadPool>,
+    job: &Job,
+) -> Result<Message> {
+    let ExportRequest { path, source, what } = request;
+    let mut notice = None;
+    let said = match what {
+        Export::Path(export) => {
+            let (said, used) = write_path(path, source, export, threads, job)?;
+            notice = used;
+            said
+        }
+        Export::Page(options) => write_page(path, source, options, job)?,
+        Export::Splats { options, frame } => write_splats(path, source, options, *frame, job)?,
+        Export::Figure(figure) => write_figure(path, figure, job)?,
+        Export::View(key) => {
+            let (said, used) = write_view(path, key, job)?;
+            notice = used;
+            said
+        }
+        Export::CopyFigure(figure) => {
+            let (figure, options) = drawn(figure, job)?;
+            return Ok(Message::FigureDrawn {
+                image: pictures::image(&figure)?,
+                width_mm: Some(options.width_mm()),
+            });
+        }
+        Export::CopyPicture(figure) => {
+            let (figure, _) = drawn(figure, job)?;
+            return Ok(Message::FigureDrawn { image: pictures::picture(&figure), width_mm: None });
+        }
+        Export::Points { frame: Some(frame) } => {
+            let points = write_points(path, &*at(source, *frame, job)?, *frame)?;
+            count_of(points, "point")
+        }
+        Export::Points { frame: None } => write_all_points(path, source, job)?,
+    };
+    let damage = match source {
+        FilmSource::Memory(_) => Vec::new(),
+        FilmSource::Disk(playback) => playback.store().damage(),
+    };
+    Ok(Message::Exported { path: path.clone(), exported: Exported { said, notice, damage } })
+}
+
+/// The samples of a frame, perhaps with those of others.
+fn at(source: &FilmSource, frame: usize, job: &Job) -> Result<Arc<SampleSet>> {
+    match source {
+        FilmSource::Memory(samples) => Ok(samples.clone()),
+        FilmSource::Disk(playback) => playback.at(frame, job),
+    }
+}
+
+/// Writes the page. That of samples in memory is the page of their store, byte for byte.
+fn write_page(path: &Path, source: &FilmSource, options: &PageOptions, job: &Job) -> Result<String> {
+    let written = match source {
+        FilmSource::Disk(playback) => page::write(path, playback.store(), options, job)?,
+        FilmSource::Memory(samples) => {
+            let folder = temporary_folder()?;
+            let store = folder.path().join("scene.ovl");
+            job.start("Rounding samples", 0);
+            write_with(&store, samples, &Extras::default(), job)?;
+            page::write(path, &Store::open(&store)?, options, job)?
+        }
+    };
+    let of = if written.samples < written.samples_of_store {
+        format!(" in place of {}", count_of(written.samples_of_store, "sample"))
+    } else {
+        String::new()
+    };
+    Ok(format!("a page of {} with {}{of}", bytes(written.bytes), count_of(written.samples, "sample")))
+}
+
+/// A figure of a view, and its options.
+fn drawn<'a>(figure: &'a FigureExport, job: &Job) -> Result<(Figure, &'a FigureOptions)> {
+    job.start("Drawing the figure", 0);
+    Ok(match figure {
+        FigureExport::Live { key, options } => (pictures::of_live_view(key, options, job)?, options),
+        FigureExport::Source { scene, key, options } => {
+            (pictures::of_source_picture(scene.source()?, key, options)?, options)
+        }
+        FigureExport::Compared { compared, options } => (pictures::of_comparison(compared, options), options),
+    })
+}
+
+fn write_figure(path: &Path, figure: &FigureExport, job: &Job) -> Result<String> {
+    let (figure, options) = drawn(figure, job)?;
+    let written = pictures::write(path, &figure)?;
+    Ok(format!("a figure of {} mm, {}", significant(options.width_mm()), bytes(written)))
+}
+
+/// Writes what the live view shows, in the size of the key's viewpoint. Gives what was written, and why the renderer of the settings
+/// was not used.
+fn write_view(path: &Path, key: &LiveKey, job: &Job) -> Result<(String, Option<String>)> {
+    job.start("Rendering the picture", 0);
+    let painted = live_image::paint(&mut Renderer::new(), &mut CameraFilter::default(), key, job)?;
+    let PixelSource::InMemory { image, rendered } = &painted.pixels else {
+        return Err(Error::unsupported("picture", "it stays on the GPU; set render.backend to cpu"));
+    };
+    save_picture(path, image, rendered, &key.display)?;
+    let [width, height] = painted.size;
+    Ok((format!("a picture of {width}×{height}"), painted.notice))
+}
+
+/// A folder that goes when it is dropped.
+///
+/// # Errors
+/// `Io`.
+pub(crate) fn temporary_folder() -> Result<tempfile::TempDir> {
+    tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))
+}
+
+fn write_splats(
+    path: &Path,
+    source: &FilmSource,
+    options: &SplatOptions,
+    frame: usize,
+    job: &Job,
+) -> Result<String> {
+    let written = match source {
+        _ if !options.format.holds_time() => {
+            splats::write(path, &*at(source, frame, job)?, Some(frame), options, job)?
+        }
+        FilmSource::Memory(samples) => splats::write(path, samples, None, options, job)?,
+        FilmSource::Disk(playback) => {
+            splats::write(path, &playback.store().read_all(job)?, None, options, job)?
+        }
+    };
+    let mut said = count_of(written.splats, "splat");
+    if written.of_sky == 0 && written.at_infinity > 0 {
+        said = format!("{said}, without {} of the sky", count_of(written.at_infinity, "sample"));
+    }
+    if let Some([x, y, z]) = written.offset {
+        said = format!("{said}, less the offset ({x}, {y}, {z})");
+    }
+    Ok(said)
+}
+
+fn write_points(path: &Path, set: &SampleSet, frame: usize) -> Result<u64> {
+    let images = set.images.iter().filter(|image| image.span.contains(frame));
+    points::write(path, set, images.map(|image| &**image))
+}
+
+/// Writes a file for each frame, all of them or none.
+fn write_all_points(path: &Path, source: &FilmSource, job: &Job) -> Result<String> {
+    let frames = source.frame_count();
+    job.start("Writing frames", frames);
+    let points = whole_file::write_folder(path, |folder| {
+        let mut points = 0;
+        for frame in 0..frames {
+            job.check()?;
+            let set = at(source, frame, job)?;
+            let number = set.frame_numbers.get(frame).copied().unwrap_or(frame as i64);
+            points += write_points(&folder.join(format!("{number:04}.ply")), &set, frame)?;
+            job.advance(1);
+        }
+        Ok(points)
+    })?;
+    Ok(format!("{}, {}", count_of(points, "point"), counted(frames, "file")))
+}
+
+/// Pictures a second of those in a folder, where that matters.
+const PICTURES_A_SECOND: f64 = 24.0;
+
+/// Renders all pictures of a camera path and writes them. Gives what was written, and why the renderer of the settings was not used.
+fn write_path(
+    path: &Path,
+    source: &FilmSource,
+    export: &PathExport,
+    threads: &Arc<rayon::ThreadPool>,
+    job: &Job,
+) -> Result<(String, Option<String>)> {
+    let PathExport { vantages, compared, .. } = export;
+    let Some(first) = vantages.first() else { return Err(Error::invalid("camera path", NO_KEYS)) };
+    let mut renderer = Renderer::new();
+    let rate = export.target.film_rate.unwrap_or(PICTURES_A_SECOND);
+    let (linear, look) = (export.target.linear, export.look.as_ref().filter(|_| compared.is_none()));
+    let mut paint = |take: &mut dyn FnMut(usize, &Picture) -> Result<()>| match (compared, look) {
+        (Some(compared), _) => pictures::paint(compared, source, vantages, rate, threads, job, take),
+        (None, Some(look)) => {
+            pictures::paint_looked(look, source, vantages, linear, &mut renderer, job, take)
+        }
+        (None, None) => film::paint(source, vantages, None, &mut renderer, &export.settings, job, take),
+    };
+    // The sides of a comparison are as they are displayed, and so is what the live view shows.
+    let is_plain = compared.is_none() && look.is_none();
+    let developed = |picture: &Picture| is_plain.then(|| developed(&export.display, picture)).flatten();
+    if export.target.film_rate.is_some() {
+        let size = match compared {
+            Some(compared) => pictures::size(compared, first)?,
+            None => export.size.map(|side| side as usize),
+        };
+        let mut encoder = FilmEncoder::start(path, size, rate)?;
+        paint(&mut |_, picture| encoder.add(developed(picture).as_ref().unwrap_or(picture)))?;
+        encoder.finish(job)?;
+    } else {
+        std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
+        paint(&mut |nth, picture| {
+            if linear {
+                return write_exr(&path.join(format!("{:04}.exr", nth + 1)), picture);
+            }
+            let file = path.join(format!("{:04}.png", nth + 1));
+            write_png(&file, developed(picture).as_ref().unwrap_or(picture))
+        })?;
+    }
+    Ok((counted(vantages.len(), "picture"), renderer.notice().map(str::to_owned)))
+}
+
+/// Samples that are written to measure how large a store is: those of as many cameras as it takes to have so many.
+const MEASURED_SAMPLES: u64 = 1_000_000;
+
+impl Wanted for ShareKey {
+    /// What sizes follow from, while the dialog that shows them is open.
+    fn wanted(state: &State) -> Option<Self> {
+        let samples = state.samples_here().filter(|_| state.share.is_open)?;
+        let shown = state.doc.live_shown.as_ref().filter(|shown| shown.key.quality.is_none());
+        Some(Self {
+            scene: state.doc.scene.clone()?,
+            // Until the whole capture is pruned only pictures have a size.
+            samples: Same(state.whole_samples().unwrap_or(samples).clone()),
+            frame: state.timeline.frame,
+            picture: shown.map(|shown| Same(shown.picture.clone())),
+        })
+    }
+}
+
+/// What was measured of samples that are in memory.
+#[derive(Default)]
+pub(crate) struct StoreMeter {
+    known: Option<(Arc<SampleSet>, f64)>,
+}
+
+impl StoreMeter {
+    /// Counts and measures.
+    pub(crate) fn facts(&mut self, key: &ShareKey, job: &Job) -> Result<Message> {
+        let here = samples_of_frame(&key.scene, &key.samples, key.frame, job)?;
+        let (samples, store_bytes) = match &key.scene.content {
+            Content::Store { playback, bytes, .. } => (playback.store().info().sample_count(), *bytes as f64),
+            Content::Capture { .. } => (here.sample_count(), self.store_bytes(&here, job)?),
+        };
+        let of_frame = || here.images_at(key.frame);
+        let placed_here: u64 = of_frame().map(|image| image.placed_count()).sum();
+        let all_here: u64 = of_frame().map(|image| image.len() as u64).sum();
+        let picture = key.picture.as_deref().map(|picture| picture_facts(picture)).transpose()?.flatten();
+        let facts = ShareFacts {
+            samples,
+            placed_here,
+            at_infinity_here: all_here - placed_here,
+            store_bytes,
+            picture,
+        };
+        Ok(Message::SizesMeasured { scene: key.scene.id, facts })
+    }
+
+    /// Bytes of the store of a set.
+    fn store_bytes(&mut self, samples: &Arc<SampleSet>, job: &Job) -> Result<f64> {
+        if let Some((_, bytes)) = self.known.as_ref().filter(|(known, _)| Arc::ptr_eq(known, samples)) {
+            return Ok(*bytes);
+        }
+        let some = of_first_cameras(samples);
+        let folder = temporary_folder()?;
+        let written = write_with(&folder.path().join("part.ovl"), &some, &Extras::default(), job)?;
+        let bytes = written as f64 * samples.sample_count() as f64 / some.sample_count().max(1) as f64;
+        self.known = Some((samples.clone(), bytes));
+        Ok(bytes)
+    }
+}
+
+/// A set that has the samples of a frame in memory; `samples` are those of a capture.
+pub(crate) fn samples_of_frame(
+    scene: &OpenScene,
+    samples: &Arc<SampleSet>,
+    frame: usize,
+    job: &Job,
+) -> Result<Arc<SampleSet>> {
+    match &scene.content {
+        Content::Store { playback, .. } => playback.at(frame, job),
+        Content::Capture { .. } => Ok(samples.clone()),
+    }
+}
+
+/// The samples of as many of the first cameras as have [`MEASURED_SAMPLES`]: images of one camera are predicted from each other.
+fn of_first_cameras(samples: &SampleSet) -> SampleSet {
+    let mut some = samples.clone();
+    let mut wanted = 0;
+    let mut count = 0;
+    while count < MEASURED_SAMPLES && wanted < samples.cameras.len() as u32 {
+        let of_next = samples.images.iter().filter(|image| image.camera == wanted);
+        count += of_next.map(|image| image.len() as u64).sum::<u64>();
+        wanted += 1;
+    }
+    some.images.retain(|image| image.camera < wanted);
+    some
+}
+
+/// What a picture takes in both formats; `None` while its pixels are out of reach.
+fn picture_facts(picture: &LivePicture) -> Result<Option<PictureFacts>> {
+    let PixelSource::InMemory { image, rendered } = &picture.pixels else { return Ok(None) };
+    let folder = temporary_folder()?;
+    let written = |name: &str| -> Result<f64> {
+        let path = folder.path().join(name);
+        save_picture(&path, image, rendered, &Display::default())?;
+        let length = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
+        Ok(length as f64)
+    };
+    let pixels = (image.width() * image.height()) as f64;
+    Ok(Some(PictureFacts { pixels, png_bytes: written("picture.png")?, exr_bytes: written("picture.exr")? }))
+}
+
+/// How long a program that opens folders is waited for: one that still runs has opened it.
+const OPENED_BY: Duration = Duration::from_secs(4);
+
+/// How often it is checked whether it has ended.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Opens the folder of a file in the system's file manager.
+///
+/// # Errors
+/// `Unsupported` where there is none, with the folder.
+pub(crate) fn show_in_folder(path: &Path) -> Result<Message> {
+    let folder = whole_file::folder_of(path);
+    let program = if cfg!(target_os = "macos") {
+        "open"
+    } else if cfg!(windows) {
+        "explorer"
+    } else {
+        "xdg-open"
+    };
+    let none =
+        || Error::unsupported(folder.display(), "this system has no file manager to open the folder with");
+    let mut command = Command::new(program);
+    command.arg(folder).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut opener = command.spawn().map_err(|_| none())?;
+    let started = Instant::now();
+    while started.elapsed() < OPENED_BY {
+        match opener.try_wait() {
+            // Windows' explorer gives no meaning to its exit status.
+            Ok(Some(status)) if status.success() || cfg!(windows) => return Ok(Message::FolderShown),
+            Ok(None) => std::thread::sleep(POLL_INTERVAL),
+            _ => return Err(none()),
+        }
+    }
+    // Where the file manager itself was started it runs until it is closed; its end is taken note of.
+    let waiter = std::thread::Builder::new().name("file manager".to_owned());
+    waiter.spawn(move || opener.wait()).map_err(|error| Error::io(folder, error))?;
+    Ok(Message::FolderShown)
+}
+
+impl Wanted for SharePreviewKey {
+    fn wanted(state: &State) -> Option<Self> {
+        state.share_preview_key()
+    }
+}
+
+/// Paints the view of all samples and of those within the budget.
+pub(crate) fn preview(key: SharePreviewKey, job: &Job) -> Result<Message> {
+    let here = samples_of_frame(&key.scene, &key.samples, key.vantage.frame, job)?;
+    let images = here.images_at(key.vantage.frame).cloned().collect();
+    let all = SampleSet { images, ..(*here).clone() };
+    let most = (key.share * all.sample_count() as f64) as u64;
+    let Some(some) = coarsened(&all, most, job)? else {
+        return Ok(Message::SharePreviewed { preview: None, key });
+    };
+    let settings = &key.settings;
+    let painted = |set: SampleSet, vantage: &Vantage| -> Result<Arc<Picture>> {
+        Ok(CpuRenderer::new().render(&Arc::new(set), vantage, settings, job)?.0)
+    };
+    let [whole, within] = [painted(all, &key.vantage)?, painted(some, &key.vantage)?];
+    let shown = |picture: &Picture| {
+        picture.color.as_slice().iter().map(|color| color.map(srgb_from_linear)).collect::<Vec<_>>()
+    };
+    let decibels = psnr_db(&shown(&whole), &shown(&within), 0..whole.color.as_slice().len());
+    let (width, height) = within.color.size();
+    let pixels = within.color.as_slice().iter().map(|color| recorded(color.map(f16::from_f32))).collect();
+    let preview = SharePreview { image: Arc::new(ColorImage::new([width, height], pixels)), decibels };
+    Ok(Message::SharePreviewed { preview: Some(preview), key })
+}

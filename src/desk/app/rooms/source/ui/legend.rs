@@ -3,12 +3,12 @@
 use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
 use crate::app::colormap::{diverging, sequential};
-use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::colors::model::titled_value;
-use crate::app::rooms::live::model::{ColorBy, HoleDisplay};
-use crate::app::rooms::source::model::{
-    Legend, Overlay, RATIO_RANGE, SourceCommand, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
+use crate::app::model::command::SourceCommand;
+use crate::app::model::look::titled_value;
+use crate::app::model::picture::{
+    ColorBy, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
 };
+use crate::app::model::{Command, Commands, State};
 use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
 use crate::app::{camera_cues, model};

@@ -1,0 +1,178 @@
+//! What charts show is measured here.
+
+use std::sync::Arc;
+
+use crate::app::model::{Accuracy, Content, Message, OpenScene, Same, State};
+use crate::app::rooms::charts::state::{Study, to_measure};
+use crate::app::work::requests::StudyRequest;
+use crate::app::work::worker::{Outbox, Wanted};
+use overlook_engine::capture::{Frame, TruthView};
+use overlook_engine::error::Result;
+use overlook_engine::job::Job;
+use overlook_engine::preprocess::{self, PreparedScan};
+use overlook_engine::render::{CpuRenderer, Vantage};
+use overlook_engine::samples::SampleSet;
+use overlook_engine::settings::{MixedPixels, PruningMethod, Settings, SpanLevels};
+use overlook_lab::metrics;
+use overlook_lab::stress::{self, StressPoint};
+use overlook_lab::sweep::{self, Point};
+use overlook_lab::truth::views_as_taken;
+
+/// Vantages that are compared: enough for a figure in passing, few enough to take seconds.
+const VIEWS: usize = 3;
+
+/// Samples to compare with the truth.
+#[derive(Clone, PartialEq)]
+pub(crate) struct MeasureRequest {
+    /// The scene, a capture.
+    pub scene: Arc<OpenScene>,
+    /// What was kept.
+    pub samples: Same<SampleSet>,
+    /// The scan with the corrections of the rig; `None` while it is under way.
+    pub scan: Option<Same<PreparedScan>>,
+    pub settings: Settings,
+}
+
+impl Wanted for MeasureRequest {
+    fn wanted(state: &State) -> Option<Self> {
+        let (scene, whole) = (state.doc.scene.as_ref()?, state.doc.whole.as_ref()?);
+        (!state.is_stale() && !state.timeline.playing).then(|| Self {
+            scene: scene.clone(),
+            samples: Same(whole.samples.clone()),
+            scan: state.doc.scan.clone().map(Same),
+            settings: state.settings.clone(),
+        })
+    }
+}
+
+/// Compares at up to [`VIEWS`] vantages spread over those with truth; `None` without truth.
+pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accuracy>> {
+    let Content::Capture { capture, truth, .. } = &request.scene.content else { return Ok(None) };
+    let scan = request.scan.as_deref().map(|scan| &**scan);
+    let capture = scan.map_or(&**capture, PreparedScan::capture);
+    let truth = views_as_taken(scan.and_then(PreparedScan::alignment), truth);
+    let known: Vec<(&TruthView, usize)> = truth
+        .iter()
+        .filter(|view| view.truth.is_some())
+        .filter_map(|view| Some((view, capture.frame_index(view.frame_number)?)))
+        .collect();
+    let step = known.len().div_ceil(VIEWS).max(1);
+    let all_settings = with_nothing_pruned(&request.settings);
+    let (mut pruned_db, mut unpruned_db, mut views) = (0.0, 0.0, 0);
+    job.start("Measuring accuracy", known.len().div_ceil(step));
+    for (view, frame) in known.into_iter().step_by(step) {
+        job.check()?;
+        let Some(load) = &view.truth else { continue };
+        let truth = load()?;
+        let unpruned = preprocess::inspect_frame(capture, None, &all_settings, frame, job)?.samples;
+        pruned_db += psnr_at(&request.samples, view, frame, &truth, &request.settings, job)?;
+        unpruned_db += psnr_at(&unpruned, view, frame, &truth, &request.settings, job)?;
+        views += 1;
+        job.advance(1);
+    }
+    if views == 0 {
+        return Ok(None);
+    }
+    let mean = |sum: f64| sum / views as f64;
+    Ok(Some(Accuracy { psnr_db: mean(pruned_db), unpruned_psnr_db: mean(unpruned_db), views }))
+}
+
+/// Settings that keep every pixel of a frame as it was recorded.
+pub(crate) fn with_nothing_pruned(settings: &Settings) -> Settings {
+    let mut settings = settings.clone();
+    settings.pruning.method = PruningMethod::Off;
+    settings.pruning.mixed_pixels = MixedPixels::Keep;
+    settings.spans.levels = SpanLevels::Off;
+    settings
+}
+
+fn psnr_at(
+    samples: &Arc<SampleSet>,
+    view: &TruthView,
+    frame: usize,
+    truth: &Frame,
+    settings: &Settings,
+    job: &Job,
+) -> Result<f64> {
+    let vantage = Vantage { camera: view.camera.clone(), frame };
+    let (mut picture, _) = CpuRenderer::new().render(samples, &vantage, &settings.render, job)?;
+    view.expose(&mut Arc::make_mut(&mut picture).color);
+    Ok(metrics::score(&picture, truth)?.psnr_db)
+}
+
+/// Measures, and sends every point as it comes.
+pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
+    let StudyRequest { scene, study, settings, choice, known, known_stress } = request;
+    let (capture, truth) = to_measure(&scene)?;
+    let left = match study {
+        Study::Sweep => {
+            let mut plan = choice.sweep_plan(&settings, capture);
+            plan.done = known;
+            let of = plan.trials.len();
+            let tell = |point: &Point, known| {
+                let point = Box::new(point.clone());
+                outbox.send(Message::Swept { scene: scene.id, point, known: (known, of) });
+            };
+            sweep::run(capture, &plan, &truth, job, tell)?.left
+        }
+        Study::Stress => {
+            let mut plan = choice.stress_plan(&settings);
+            plan.done = known_stress;
+            let tell = |point: &StressPoint, known| {
+                let point = Box::new(point.clone());
+                outbox.send(Message::Stressed { scene: scene.id, point, known });
+            };
+            stress::run(capture, &plan, &truth, job, tell)?.left
+        }
+    };
+    Ok(Message::Studied { scene: scene.id, left })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::model::SceneSource;
+    use crate::app::rooms::charts::state::StudyChoice;
+    use overlook_engine::demo::{Demo, DemoSpec};
+
+    #[test]
+    fn with_nothing_pruned_every_pixel_is_the_one_that_was_recorded() {
+        let spec = DemoSpec::new("nine-cameras").cameras(2).frames(4).size((48, 36));
+        let mut settings = Settings::default();
+        settings.pruning.mixed_pixels = MixedPixels::Drop;
+        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
+        let unpruned = with_nothing_pruned(&settings);
+        let samples = preprocess::inspect_frame(&capture, None, &unpruned, 1, &Job::new()).unwrap().samples;
+        assert_eq!(samples.sample_count(), 2 * 48 * 36);
+        let scan = preprocess::scan(&capture, &unpruned, &Job::new()).unwrap();
+        let whole = preprocess::prune(&capture, &scan, &unpruned, &Job::new()).unwrap();
+        assert_eq!(
+            whole.report.samples_kept, whole.report.samples_in,
+            "nothing is stored for several frames"
+        );
+    }
+
+    #[test]
+    fn a_single_camera_without_truth_is_not_measured_and_one_line_says_what_to_do() {
+        let settings = Settings::default();
+        let spec = DemoSpec::new("orrery").cameras(1).frames(2).size((16, 12));
+        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
+        let scene =
+            Arc::new(OpenScene::of_capture(SceneSource::Demo("orrery".into()), capture, Vec::new(), 1.0));
+        let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
+        let outbox = Outbox::new(sender, egui::Context::default());
+        for study in [Study::Sweep, Study::Stress] {
+            let request = StudyRequest {
+                scene: scene.clone(),
+                study,
+                settings: settings.clone(),
+                choice: StudyChoice::default(),
+                known: Vec::new(),
+                known_stress: Vec::new(),
+            };
+            let Err(error) = super::study(request, &outbox, &Job::new()) else { panic!("it was measured") };
+            assert!(error.to_string().contains("record a second camera"), "{error}");
+            assert!(!error.to_string().contains('\n'), "{error}");
+        }
+    }
+}

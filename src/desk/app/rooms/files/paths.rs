@@ -1,0 +1,494 @@
+//! Paths that are chosen in a dialog or typed: their purpose, whether there is anything to write, and whether they exist already.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::app::control::OverlookApp;
+use crate::app::model::command::{FileCommand, Opening};
+use crate::app::model::purpose::{Destination, FigureOf, Purpose, TableForm, TypedPath};
+use crate::app::model::window::NoticeKind;
+use crate::app::model::{Command, Content, SceneSource, State, WorkKind};
+use crate::app::rooms::charts::sheet;
+use crate::app::rooms::files::state::SESSION_ENDING;
+use crate::app::rooms::files::work::{FIGURE_ENDINGS, with_ending};
+use crate::app::rooms::path::NO_KEYS;
+use crate::app::rooms::report::table_text;
+use crate::app::work::FileRequest;
+use overlook_engine::error::Error;
+use overlook_engine::splats::SplatFormat;
+
+/// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
+const NO_DIALOG: Duration = Duration::from_secs(2);
+
+const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
+
+impl OverlookApp {
+    /// Carries out what concerns files.
+    pub(crate) fn apply_to_files(&mut self, command: FileCommand) {
+        match command {
+            FileCommand::Open(opening) => self.ask_to_open(opening),
+            // Before a path is chosen for nothing.
+            FileCommand::AskPath(purpose) | FileCommand::TypePath(purpose) if self.refuses(purpose) => {}
+            FileCommand::AskPath(purpose) => {
+                self.asked_at = Some(Instant::now());
+                self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
+            }
+            FileCommand::TypePath(purpose) => self.type_path(purpose, None),
+            FileCommand::TypedPath(text) => {
+                if let Some(typed) = &mut self.state.typed_path {
+                    (typed.text, typed.replaces) = (text, false);
+                }
+            }
+            FileCommand::TakeTypedPath => self.take_typed_path(),
+            FileCommand::CloseTypedPath => self.state.typed_path = None,
+            FileCommand::CopyCommandLine => self.copy_command_line(),
+            FileCommand::ForgetRecent => {
+                self.state.recent.clear();
+                self.state.recent_pictures.clear();
+                self.state.chosen_ups.clear();
+            }
+            FileCommand::Introduced => self.state.inspector.introduced = true,
+            FileCommand::RoomExplained => self.state.inspector.room_explained = true,
+            FileCommand::Stay => {
+                self.state.inspector.closing.asks = false;
+                self.state.open_after_question = None;
+            }
+            FileCommand::GoOnAnyway => self.go_on_anyway(),
+        }
+    }
+
+    fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
+        let text = suggested_name(&self.state, purpose);
+        let folder = std::env::current_dir().ok();
+        self.state.typed_path = Some(TypedPath { purpose, text, folder, reason, replaces: false });
+    }
+
+    /// Takes the path in the field. A path to write to is taken once it is known to be free, or may be replaced.
+    fn take_typed_path(&mut self) {
+        let Some(typed) = &mut self.state.typed_path else { return };
+        let (purpose, Some(path)) = (typed.purpose, place(&typed.text)) else { return };
+        let Some(path) = named(purpose, path) else {
+            typed.reason = Some(other_ending(purpose));
+            return;
+        };
+        if purpose.writes() && !typed.replaces {
+            self.workers.check.submit(Destination { purpose, path });
+        } else {
+            self.last_typed = self.state.typed_path.take();
+            self.take_path(purpose, path);
+        }
+    }
+
+    /// Takes in whether the path in the field exists.
+    pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
+        let Destination { purpose, path } = destination;
+        if !purpose.writes() {
+            let opening = Opening::Path(path.clone());
+            if taken && self.state.unsaved_work().is_some() {
+                self.state.open_after_question = Some(opening);
+            } else {
+                // A path that does not exist fails to open like any other, and the open scene stays.
+                self.open(opening);
+            }
+            return;
+        }
+        let typed = self.state.typed_path.as_mut();
+        let Some(typed) = typed
+            .filter(|typed| typed.purpose == *purpose && typed_destination(typed).as_ref() == Some(path))
+        else {
+            return;
+        };
+        if taken {
+            typed.replaces = true;
+        } else {
+            self.last_typed = self.state.typed_path.take();
+            self.take_path(*purpose, path.clone());
+        }
+    }
+
+    /// Takes in what the system's dialog was answered.
+    pub(crate) fn path_chosen(&mut self, purpose: Purpose, path: Option<PathBuf>) {
+        let asked_at = self.asked_at.take();
+        match path {
+            // The dialog asks before it replaces a file of the chosen name, but not for folders, nor for a name with an added ending.
+            Some(path)
+                if (purpose.fills_folder() || named(purpose, path.clone()).as_ref() != Some(&path))
+                    && path.to_str().is_some() =>
+            {
+                self.type_path(purpose, None);
+                self.apply(Command::File(FileCommand::TypedPath(path.display().to_string())));
+                self.take_typed_path();
+            }
+            Some(path) => self.take_path(purpose, path),
+            None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
+                self.type_path(purpose, Some(NO_DIALOG_WORDS.to_owned()));
+            }
+            None => {
+                let entry = purpose.typed_entry();
+                let palette = if entry.ends_with('…') { "" } else { " of the commands (Ctrl+P)" };
+                let text =
+                    format!("Where no file dialog appears, \"{entry}\"{palette} takes a path that is typed.");
+                self.state.notify(NoticeKind::Done, "No path was chosen", text);
+            }
+        }
+    }
+
+    /// Shows a path again that was typed and could not be read or written.
+    pub(crate) fn type_again(&mut self, work: WorkKind, error: &Error) {
+        let Error::Io { path, .. } = error else { return };
+        let last = self.last_typed.take_if(|last| {
+            last.purpose.work() == work
+                && typed_destination(last).is_some_and(|place| path.starts_with(place))
+        });
+        if let (Some(last), None) = (last, &self.state.typed_path) {
+            self.state.typed_path =
+                Some(TypedPath { reason: Some(error.to_string()), replaces: false, ..last });
+        }
+    }
+
+    pub(crate) fn take_path(&mut self, purpose: Purpose, path: PathBuf) {
+        let path = lasting(path);
+        // Thresholds may have been changed while a path was chosen.
+        if self.refuses(purpose) {
+            return;
+        }
+        self.begin_sharing(purpose, &path);
+        match purpose {
+            Purpose::OpenFile | Purpose::OpenFolder => {
+                self.apply(Command::File(FileCommand::Open(Opening::Path(path))));
+            }
+            Purpose::SaveStore => self.save_store(path),
+            Purpose::SaveSettings => {
+                let settings = self.state.shown_settings();
+                self.workers.file.submit(FileRequest::SaveSettings { path, settings });
+            }
+            Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::SaveTable(table) => {
+                if let Some(text) = table_text(table, TableForm::of_file(&path), &self.state) {
+                    self.workers.file.submit(FileRequest::SaveText { path, text });
+                }
+            }
+            Purpose::SaveChart(study) => {
+                if let Some(chart) = sheet(study, &self.state) {
+                    self.workers.file.submit(FileRequest::SaveChart { path, chart });
+                }
+            }
+            Purpose::SavePicture => self.save_picture(path),
+            Purpose::SaveCameras => self.save_cameras(path),
+            Purpose::SavePath => self.save_path(path),
+            Purpose::LoadPath => {
+                if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
+                    self.workers.file.submit(FileRequest::LoadPath { path, scene });
+                }
+            }
+            Purpose::SaveEdits => self.save_edits(path),
+            Purpose::SaveSession => self.save_session(&path),
+            Purpose::LoadEdits => {
+                if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
+                    self.workers.file.submit(FileRequest::LoadEdits { path, scene });
+                }
+            }
+            Purpose::OpenPictures => {
+                if let Some(scene) = self.state.doc.scene.clone() {
+                    self.workers.file.submit(FileRequest::OpenPictures { path, scene });
+                }
+            }
+            Purpose::ExportPictures
+            | Purpose::ExportExr
+            | Purpose::ExportFilm
+            | Purpose::ExportPage
+            | Purpose::ExportSplats(_)
+            | Purpose::ExportPoints
+            | Purpose::ExportPointsOfFrames => self.export(purpose, path),
+            Purpose::ExportFigure => self.export_figure(path),
+        }
+    }
+
+    fn save_picture(&mut self, path: PathBuf) {
+        if let Some(size) = self.state.share.options.picture_size
+            && self.export_view(path.clone(), size)
+        {
+            return;
+        }
+        let shown = self.state.doc.live_shown.as_ref();
+        let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
+        let picture = self.state.shown_picture().cloned();
+        if let Some((picture, rendered)) = picture.zip(rendered) {
+            let display = self.state.display;
+            self.workers.file.submit(FileRequest::SavePicture { path, picture, rendered, display });
+        } else {
+            self.state.share.asked = None;
+            self.notify_in_motion();
+        }
+    }
+
+    /// Writes the cameras: as they were pruned, or as the capture has them.
+    fn save_cameras(&mut self, path: PathBuf) {
+        let state = &self.state;
+        let Some(scene) = &state.doc.scene else { return };
+        let cameras =
+            state.current_whole().map_or_else(|| scene.cameras.clone(), |whole| whole.cameras.clone());
+        let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
+        let up_in_world = state.up_in_world();
+        self.workers.file.submit(FileRequest::SaveCameras { path, cameras, frame_number, up_in_world });
+    }
+
+    fn save_path(&mut self, path: PathBuf) {
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        let (camera_path, size) = (self.state.doc.path.clone(), self.state.export_size());
+        let up_in_world = self.state.up_in_world();
+        self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size, up_in_world });
+    }
+
+    fn save_store(&mut self, path: PathBuf) {
+        let Some(scene) = &self.state.doc.scene else { return };
+        let edits = self.state.doc.edits.list.clone();
+        if let Content::Store { playback, .. } = &scene.content {
+            let playback = playback.clone();
+            self.workers.file.submit(FileRequest::SaveAgain { path, playback, edits });
+        } else if !edits.is_idle() {
+            let (scene, settings) = (scene.clone(), self.state.settings.clone());
+            self.workers.file.submit(FileRequest::SaveEdited { path, scene, settings, edits });
+        } else if let Some(whole) = &self.state.doc.whole {
+            // The store records the rendering settings of now, so that it looks the same when it is opened.
+            let mut samples = (*whole.samples).clone();
+            samples.settings.render = self.state.settings.render.clone();
+            let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
+            self.workers.file.submit(FileRequest::SaveStore { path, scene, samples, report });
+        }
+    }
+
+    /// Whether something that a purpose needs is missing; warns if so.
+    pub(crate) fn refuses(&mut self, purpose: Purpose) -> bool {
+        let Some((title, text)) = what_is_missing(&self.state, purpose) else { return false };
+        self.state.warn_of_scene(title, text);
+        true
+    }
+}
+
+/// Title and text of the warning if there is nothing to write for a purpose, or nothing that could use what it reads.
+pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
+    let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
+    let no_scene = || no_scene(state);
+    let no_capture = |text| where_not(state.has_capture(), text);
+    let no_keys = || where_not(state.doc.path.pictures() > 0, NO_KEYS);
+    let no_samples = || no_scene().or_else(|| where_not(state.is_whole_ready(), not_pruned(state)));
+    let (title, text) = match purpose {
+        Purpose::SaveTable(table) => {
+            let is_empty = table_text(table, TableForm::Csv, state).is_none();
+            return is_empty.then(|| ("Nothing to save yet", format!("There is no {} yet.", table.name())));
+        }
+        Purpose::SaveChart(study) => {
+            let is_empty = sheet(study, state).is_none();
+            return is_empty.then(|| ("Nothing to save yet", study.no_chart()));
+        }
+        Purpose::SaveStore => ("Nothing to save yet", no_samples()),
+        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => {
+            let compares = state.share.options.compares.is_some();
+            let no_place = || if compares { no_figure(state, FigureOf::Live) } else { no_keys() };
+            ("Nothing to export yet", no_samples().or_else(no_place))
+        }
+        Purpose::ExportPage
+        | Purpose::ExportSplats(_)
+        | Purpose::ExportPoints
+        | Purpose::ExportPointsOfFrames => ("Nothing to export yet", no_samples()),
+        Purpose::ExportFigure => {
+            ("Nothing to export yet", no_scene().or_else(|| no_figure(state, state.share.options.figure_of)))
+        }
+        Purpose::SaveCameras => ("Nothing to save yet", no_scene()),
+        Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
+        Purpose::LoadPath => ("No scene for a camera path", no_scene()),
+        Purpose::SaveSession => {
+            let has_path =
+                state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
+            let text =
+                "A session names the file or folder that is open; what comes with the program has none.";
+            ("No session to save", where_not(has_path, text))
+        }
+        Purpose::SaveEdits | Purpose::LoadEdits => ("No scene for edits", no_scene()),
+        Purpose::OpenPictures => (
+            "Nothing to compare pictures with",
+            no_capture("Open a capture first: a store has no viewpoints with true pictures."),
+        ),
+        Purpose::OpenFile
+        | Purpose::OpenFolder
+        | Purpose::SaveSettings
+        | Purpose::LoadSettings
+        | Purpose::SavePicture => return None,
+    };
+    text.map(|text| (title, text.to_owned()))
+}
+
+/// Why nothing can be written while nothing is open.
+pub(crate) fn no_scene(state: &State) -> Option<&'static str> {
+    state.doc.scene.is_none().then_some("Open a capture or a store first.")
+}
+
+/// Why there is no picture for a figure.
+pub(crate) fn no_figure(state: &State, of: FigureOf) -> Option<&'static str> {
+    match of {
+        FigureOf::Source if state.doc.source_shown.is_none() => {
+            Some("There is no source picture: a store holds none, and a capture shows it once it is read.")
+        }
+        FigureOf::Compared if state.compared_figure().is_none() => {
+            Some("There is no comparison: open Compare, and choose two sides that it can show.")
+        }
+        FigureOf::Live if state.doc.live_shown.is_none() => Some("The live view has no picture yet."),
+        _ => None,
+    }
+}
+
+/// Why the whole capture is not pruned with the settings on the sliders.
+fn not_pruned(state: &State) -> &'static str {
+    if state.doc.stopped {
+        "The whole capture is not pruned with these settings; recompute it (below), then try again."
+    } else {
+        "The whole capture is not pruned with these settings yet; try again once the line at the bottom is done."
+    }
+}
+
+/// What is wrong with a name that [`named`] does not take.
+pub(crate) fn other_ending(purpose: Purpose) -> String {
+    match endings(purpose) {
+        Some([ending, ..]) => format!("A file of this kind is named .{ending}."),
+        _ => "A picture is written as PNG or EXR; name it .png or .exr.".to_owned(),
+    }
+}
+
+/// The endings that a file of a purpose may have and no others, the usual one first; `None` where others may be typed on purpose.
+fn endings(purpose: Purpose) -> Option<&'static [&'static str]> {
+    match purpose {
+        Purpose::ExportFilm => Some(&["mp4", "m4v"]),
+        Purpose::ExportPage => Some(&["html", "htm"]),
+        Purpose::ExportFigure | Purpose::SaveChart(_) => Some(&FIGURE_ENDINGS),
+        Purpose::SaveTable(_) => Some(&["csv", "md", "tex"]),
+        Purpose::SaveSession => Some(&[SESSION_ENDING]),
+        Purpose::SaveCameras => Some(&["json"]),
+        Purpose::ExportSplats(SplatFormat::Ply) | Purpose::ExportPoints => Some(&["ply"]),
+        Purpose::ExportSplats(SplatFormat::Spz) => Some(&["spz"]),
+        Purpose::ExportSplats(SplatFormat::Glb) => Some(&["glb"]),
+        Purpose::ExportSplats(SplatFormat::Usda) => Some(&["usda"]),
+        _ => None,
+    }
+}
+
+/// A likely name of a file to write; empty for a path that must exist already.
+pub(crate) fn suggested_name(state: &State, purpose: Purpose) -> String {
+    let name = state.doc.scene.as_ref().map_or("capture", |scene| &scene.name);
+    match purpose {
+        Purpose::SaveStore => format!("{name}.ovl"),
+        Purpose::ExportPage => format!("{name}.html"),
+        Purpose::ExportSplats(format) => format!("{name}.{format}"),
+        Purpose::ExportFigure => "figure.pdf".to_owned(),
+        Purpose::ExportPoints => "points.ply".to_owned(),
+        Purpose::ExportPointsOfFrames => "points".to_owned(),
+        Purpose::SavePicture if state.share.options.linear => "picture.exr".to_owned(),
+        Purpose::SaveSettings => "settings.toml".to_owned(),
+        Purpose::SavePicture => "picture.png".to_owned(),
+        Purpose::SaveTable(table) => table.file().to_owned(),
+        Purpose::SaveChart(study) => study.chart_file().to_owned(),
+        Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
+        Purpose::ExportFilm => "video.mp4".to_owned(),
+        Purpose::SaveCameras => "cameras.json".to_owned(),
+        Purpose::SavePath => "transforms.json".to_owned(),
+        Purpose::SaveEdits => "edits.toml".to_owned(),
+        Purpose::SaveSession => format!("session.{SESSION_ENDING}"),
+        Purpose::OpenFile
+        | Purpose::OpenFolder
+        | Purpose::LoadSettings
+        | Purpose::LoadPath
+        | Purpose::LoadEdits
+        | Purpose::OpenPictures => String::new(),
+    }
+}
+
+/// The path of a typed text, with `~` for the home folder; `None` for an empty text.
+pub(crate) fn place(text: &str) -> Option<PathBuf> {
+    let text = text.trim();
+    let at_home = text.strip_prefix('~').filter(|rest| rest.is_empty() || rest.starts_with('/'));
+    let path = match (at_home, std::env::home_dir()) {
+        (Some(rest), Some(home)) => home.join(rest.trim_start_matches('/')),
+        _ => PathBuf::from(text),
+    };
+    (!text.is_empty()).then(|| lasting(path))
+}
+
+/// The path with the ending that a file of this purpose needs; `None` if it has the ending of another kind of file.
+pub(crate) fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
+    let ending = match purpose {
+        Purpose::SavePicture => return with_ending(path),
+        Purpose::SaveStore => "ovl",
+        Purpose::SaveSettings | Purpose::SaveEdits => "toml",
+        Purpose::SaveTable(_) => "csv",
+        _ => match endings(purpose) {
+            Some([usual, ..]) => usual,
+            _ => return Some(path),
+        },
+    };
+    // Digits after a dot, as in `take.2`, are part of the name; any other ending was typed on purpose.
+    let known = path
+        .extension()
+        .is_some_and(|typed| typed.len() > 1 && !typed.to_string_lossy().chars().all(|c| c.is_ascii_digit()));
+    if let (true, Some(endings)) = (known, endings(purpose)) {
+        let is_one = |ending: &&str| path.extension().is_some_and(|typed| typed.eq_ignore_ascii_case(ending));
+        return endings.iter().any(is_one).then_some(path);
+    }
+    Some(if known { path } else { PathBuf::from(format!("{}.{ending}", path.display())) })
+}
+
+/// The destination of the path in the field; `None` if it cannot be taken.
+pub(crate) fn typed_destination(typed: &TypedPath) -> Option<PathBuf> {
+    named(typed.purpose, place(&typed.text)?)
+}
+
+/// A path that stays valid when the window is started from another folder.
+pub(crate) fn lasting(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::rooms::charts::state::Study;
+
+    #[test]
+    fn a_name_without_an_ending_gets_that_of_its_purpose() {
+        let named = |purpose, path: &str| named(purpose, path.into()).unwrap();
+        assert_eq!(named(Purpose::SaveStore, "/a/capture"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::SaveStore, "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
+        assert_eq!(named(Purpose::SaveStore, "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::SaveSettings, "/a/mine"), PathBuf::from("/a/mine.toml"));
+        assert_eq!(named(Purpose::ExportFilm, "/a/b.m4v"), PathBuf::from("/a/b.m4v"));
+        assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));
+        assert_eq!(named(Purpose::ExportPage, "/a/scene"), PathBuf::from("/a/scene.html"));
+        assert_eq!(named(Purpose::ExportPage, "/a/scene.HTM"), PathBuf::from("/a/scene.HTM"));
+        let chart = Purpose::SaveChart(Study::Sweep);
+        assert_eq!(named(chart, "/a/sweep"), PathBuf::from("/a/sweep.pdf"));
+        assert_eq!(named(chart, "/a/sweep.SVG"), PathBuf::from("/a/sweep.SVG"));
+        let splats = Purpose::ExportSplats(SplatFormat::Glb);
+        assert_eq!(named(splats, "/a/scene.2"), PathBuf::from("/a/scene.2.glb"));
+        for (purpose, path) in [
+            (Purpose::ExportPage, "/a/scene.ovl"),
+            (splats, "/a/b.ply"),
+            (Purpose::ExportPoints, "/a/b.ovl"),
+            (chart, "/a/b.jpg"),
+        ] {
+            assert_eq!(
+                super::named(purpose, path.into()),
+                None,
+                "a store is not replaced by what is shared of it"
+            );
+        }
+    }
+
+    #[test]
+    fn a_tilde_that_is_typed_is_the_own_folder() {
+        let home = std::env::home_dir().unwrap();
+        assert_eq!(place(" ~/films/a.mp4 "), Some(home.join("films/a.mp4")));
+        assert_eq!(place("~"), Some(home.join("")));
+        assert_eq!(place("/data/~x/~"), Some(PathBuf::from("/data/~x/~")));
+        assert_eq!(place("~x"), Some(lasting("~x".into())));
+        assert_eq!(place("  "), None);
+    }
+}

@@ -1,0 +1,100 @@
+//! Sessions: writing what is open and set, and taking it in again.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::address::ViewAddress;
+use crate::app::control::OverlookApp;
+use crate::app::dock::Dock;
+use crate::app::model::purpose::Purpose;
+use crate::app::model::window::NoticeKind;
+use crate::app::model::{OpenScene, SceneSource};
+use crate::app::rooms::files::SessionLook;
+use crate::app::rooms::files::state::Session;
+use crate::app::rooms::live::state::KeptView;
+use crate::app::rooms::path::CameraPath;
+use crate::app::work::FileRequest;
+
+impl OverlookApp {
+    /// Writes the session.
+    pub(crate) fn save_session(&mut self, place: &Path) {
+        let Some(session) = self.session() else { return };
+        match session.to_text(place) {
+            Ok(text) => self.workers.file.submit(FileRequest::SaveText { path: place.to_path_buf(), text }),
+            Err(error) => self.state.notify(NoticeKind::Error, "Session not saved", error.to_string()),
+        }
+    }
+
+    /// Copies the command that prunes the same without a window.
+    pub(crate) fn copy_command_line(&mut self) {
+        if self.refuses(Purpose::SaveSession) {
+            return;
+        }
+        if !self.state.has_capture() {
+            let text = "A store is pruned already; open the capture that it was made from.";
+            return self.state.warn_of_scene("No command to copy", text);
+        }
+        let Some(session) = self.session() else { return };
+        self.ctx.copy_text(session.command_line());
+        let edits = "Save the edits as edits.toml first (Save > Save edits…), where the command is run.";
+        let text = if session.has_edits() {
+            edits
+        } else {
+            "Paste it into a terminal: it prunes the same into a store."
+        };
+        self.state.notify(NoticeKind::Done, "Command copied", text);
+    }
+
+    /// The session of a scene that has a path.
+    fn session(&self) -> Option<Session> {
+        let state = &self.state;
+        let scene = state.doc.scene.as_ref()?;
+        let SceneSource::Path(opens) = &scene.origin else { return None };
+        let path = &state.doc.path;
+        let path = if path.pictures() > 0 {
+            // Keys as they are: what the camera looks at instead is said beside them.
+            CameraPath { looks_at: None, ..path.clone() }.views(state.export_size(), &scene.frame_numbers)
+        } else {
+            Vec::new()
+        };
+        Some(Session {
+            opens: opens.clone(),
+            settings: state.settings.clone(),
+            edits: state.doc.edits.list.clone(),
+            path,
+            path_easing: state.doc.path.easing,
+            path_looks_at: state.doc.path.looks_at,
+            up_in_world: state.up_in_world(),
+            view: self.view_address()?.to_string(),
+            layout: self.dock.to_json(),
+            look: SessionLook::of(state, scene).to_table(),
+            kept_views: (state.doc.kept_views.iter())
+                .map(|kept| (kept.name.clone(), kept.view.clone()))
+                .collect(),
+        })
+    }
+
+    /// Takes in what a session says of the scene that it opened.
+    pub(crate) fn take_session(&mut self, session: &Session, scene: &Arc<OpenScene>) {
+        if session.settings != self.state.settings {
+            self.change_settings(session.settings.clone());
+        }
+        self.dock = Dock::from_json(&session.layout);
+        self.state.look.workspace = self.dock.workspace();
+        self.show_areas_that_fit();
+        if let Ok(Some(look)) = SessionLook::read(&session.look, &session.opens) {
+            look.put(&mut self.state, scene);
+        }
+        let up = session.up_in_world;
+        self.state.live.up = (up != scene.up_in_world).then_some(up);
+        self.state.doc.path = CameraPath::default();
+        self.take_path_views(scene, &session.path, session.path_easing);
+        self.state.doc.path.looks_at = session.path_looks_at;
+        let kept = session.kept_views.iter().cloned();
+        self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view }).collect();
+        self.state.take_edits(session.edits.clone());
+        if let Some(view) = ViewAddress::read(session.view.trim_start_matches('#')) {
+            self.go_to_view(scene, &view);
+        }
+    }
+}

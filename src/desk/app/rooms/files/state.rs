@@ -1,0 +1,318 @@
+//! A session as a text: what is open, and all that was set about it, so that a window opens with it again, here or elsewhere.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use egui::ColorImage;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::address::ViewAddress;
+use crate::app::model::setting_names::SettingPairs;
+use crate::app::model::texture::{RECENT_SIDES, smaller};
+use overlook_engine::capture::transforms::{Easing, PathView, path_from_json, path_to_json};
+use overlook_engine::edits::EditList;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::settings::{Field, Settings};
+
+/// The ending of a session's file.
+pub(crate) const SESSION_ENDING: &str = "overlook";
+
+/// The version of the form.
+const VERSION: u32 = 1;
+
+/// A session.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Session {
+    /// What is open: a capture or a store. Absolute.
+    pub opens: PathBuf,
+    pub settings: Settings,
+    pub edits: EditList,
+    /// The views of the camera path, with keys marked; empty without one.
+    pub path: Vec<PathView>,
+    /// How its camera sets off and arrives, and the point in world space that it looks at.
+    pub path_easing: Easing,
+    pub path_looks_at: Option<DVec3>,
+    /// Up in the world: as chosen, or as the capture has it.
+    pub up_in_world: DVec3,
+    /// The address of the view, as `#view=…&frame=…`.
+    pub view: String,
+    /// The arrangement of the views, as the window remembers it.
+    pub layout: String,
+    /// How both views look, as [`crate::app::rooms::files::SessionLook`] writes it; empty in sessions that do not say it.
+    pub look: toml::Table,
+    /// The views that are kept: name and address.
+    pub kept_views: Vec<(String, ViewAddress)>,
+}
+
+/// The file.
+#[serde_with::skip_serializing_none]
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SessionForm {
+    version: u32,
+    /// Relative to the file where it lies below its folder.
+    opens: PathBuf,
+    up: [f64; 3],
+    #[serde(default)]
+    view: String,
+    #[serde(default)]
+    settings: String,
+    #[serde(default)]
+    edits: String,
+    #[serde(default)]
+    path: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    path_easing: String,
+    path_looks_at: Option<[f64; 3]>,
+    #[serde(default)]
+    layout: String,
+    #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
+    look: toml::Table,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    kept_view: Vec<KeptViewForm>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct KeptViewForm {
+    name: String,
+    /// An address, as that of the view.
+    view: String,
+}
+
+impl Session {
+    /// Whether a path is that of a session, by its ending.
+    pub(crate) fn is_session(path: &Path) -> bool {
+        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(SESSION_ENDING))
+    }
+
+    /// The text of a file at `place`. Its first lines say how to prune the same without a window.
+    ///
+    /// # Errors
+    /// `Invalid` where the camera path cannot be written.
+    pub(crate) fn to_text(&self, place: &Path) -> Result<String> {
+        let folder = place.parent().unwrap_or(Path::new(""));
+        let path = if self.path.is_empty() {
+            String::new()
+        } else {
+            // The session says how the path is eased, also of one without pictures.
+            path_to_json(self.up_in_world, &self.path, Easing::Linear)?
+        };
+        let form = SessionForm {
+            version: VERSION,
+            opens: self.opens.strip_prefix(folder).unwrap_or(&self.opens).to_path_buf(),
+            up: self.up_in_world.to_array(),
+            view: self.view.clone(),
+            settings: self.settings.to_toml(),
+            edits: if self.has_edits() { self.edits.to_toml() } else { String::new() },
+            path,
+            path_easing: match self.path_easing {
+                Easing::Linear => String::new(),
+                easing => easing.to_string(),
+            },
+            path_looks_at: self.path_looks_at.map(|point| point.to_array()),
+            layout: self.layout.clone(),
+            look: self.look.clone(),
+            kept_view: (self.kept_views.iter())
+                .map(|(name, view)| KeptViewForm { name: name.clone(), view: view.to_string() })
+                .collect(),
+        };
+        let text = toml::to_string_pretty(&form)
+            .map_err(|error| Error::invalid(place.display(), error.to_string()))?;
+        let edits = if self.has_edits() { ", which Save > Save edits writes" } else { "" };
+        let line = self.command_line();
+        Ok(format!("# A session of Overlook: overlook open {}\n# {line}{edits}\n{text}", quoted(place)))
+    }
+
+    /// Reads a file's text.
+    ///
+    /// # Errors
+    /// `Invalid` with what is wrong where.
+    pub(crate) fn from_text(text: &str, place: &Path) -> Result<Self> {
+        let name = place.display().to_string();
+        let invalid = |what: String| Error::invalid(&name, what);
+        let form: SessionForm = toml::from_str(text).map_err(|error| {
+            let before = error.span().map_or("", |span| &text[..span.start.min(text.len())]);
+            let line = before.matches('\n').count() + 1;
+            invalid(format!("line {line}: {}", error.message()))
+        })?;
+        if form.version != VERSION {
+            let what = format!(
+                "it has version {}, this Overlook reads version {VERSION}; use the Overlook that wrote it",
+                form.version
+            );
+            return Err(invalid(what));
+        }
+        let folder = place.parent().unwrap_or(Path::new(""));
+        let edits = if form.edits.is_empty() {
+            EditList::default()
+        } else {
+            EditList::from_toml(&form.edits, &name)?
+        };
+        let path =
+            if form.path.is_empty() { Vec::new() } else { path_from_json(form.path.as_bytes(), place)? };
+        let path_easing = match form.path_easing.as_str() {
+            "" => Easing::Linear,
+            easing => easing.parse().map_err(|what| invalid(format!("path_easing {what}")))?,
+        };
+        let up = DVec3::from(form.up).try_normalize();
+        let up = up.ok_or_else(|| {
+            invalid("\"up\" is no direction; write it as three numbers, as in [0, 0, 1]".to_owned())
+        })?;
+        let kept_views = form.kept_view.into_iter().map(|KeptViewForm { name, view }| {
+            let read = ViewAddress::read(view.trim_start_matches('#'));
+            let what = || format!("the view of \"{name}\" is no address; write it as #view=…&frame=…");
+            let read = read.ok_or_else(|| invalid(what()))?;
+            Ok((name, read))
+        });
+        let kept_views = kept_views.collect::<Result<_>>()?;
+        Ok(Self {
+            opens: folder.join(form.opens),
+            settings: Settings::from_toml(&form.settings, &name)?,
+            edits,
+            path,
+            path_easing,
+            path_looks_at: form.path_looks_at.map(DVec3::from).filter(|point| point.is_finite()),
+            up_in_world: up,
+            view: form.view,
+            layout: form.layout,
+            look: form.look,
+            kept_views,
+        })
+    }
+
+    /// Whether pruning the same takes a list of edits.
+    pub(crate) fn has_edits(&self) -> bool {
+        !self.edits.edits.is_empty()
+    }
+
+    /// The command that prunes the same. Edits are in a file beside it.
+    pub(crate) fn command_line(&self) -> String {
+        let defaults = Settings::default();
+        let pairs = SettingPairs::new(&self.settings, &defaults);
+        let mut line = format!("overlook preprocess {} --out scene.ovl", quoted(&self.opens));
+        for (field, [value, _]) in pairs.differing() {
+            let Field { path, .. } = field;
+            let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            // A string takes all that is written.
+            let _ = write!(line, " --set {path}={value}");
+        }
+        if self.has_edits() {
+            line += " --edits edits.toml";
+        }
+        line
+    }
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || "/._-+,=:@".contains(letter);
+    if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
+/// What the live view showed last of a file or folder.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RecentPicture {
+    pub path: PathBuf,
+    pub image: Arc<ColorImage>,
+}
+
+impl RecentPicture {
+    /// Of a picture of any size.
+    pub(crate) fn new(path: &Path, picture: &ColorImage) -> Self {
+        Self { path: path.to_path_buf(), image: Arc::new(smaller(picture)) }
+    }
+
+    /// As text: a PNG in base64; `None` where it has no pixels.
+    pub(crate) fn to_text(&self) -> Option<String> {
+        let [width, height] = self.image.size;
+        let bytes: Vec<u8> =
+            self.image.pixels.iter().flat_map(|color| [color.r(), color.g(), color.b()]).collect();
+        let mut png = std::io::Cursor::new(Vec::new());
+        let picture = image::RgbImage::from_raw(width as u32, height as u32, bytes)?;
+        picture.write_to(&mut png, image::ImageFormat::Png).ok()?;
+        Some(STANDARD.encode(png.into_inner()))
+    }
+
+    /// From text; `None` where it is no such picture.
+    pub(crate) fn from_text(path: PathBuf, text: &str) -> Option<Self> {
+        let bytes = STANDARD.decode(text).ok()?;
+        let picture = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png).ok()?.to_rgb8();
+        let size = [picture.width() as usize, picture.height() as usize];
+        let is_small = size[0] <= RECENT_SIDES[0] && size[1] <= RECENT_SIDES[1];
+        is_small.then(|| Self { path, image: Arc::new(ColorImage::from_rgb(size, picture.as_raw())) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::Color32;
+
+    use super::*;
+
+    fn session(opens: &str) -> Session {
+        let mut settings = Settings::default();
+        settings.pruning.depth_tolerance = 2.5;
+        Session {
+            opens: opens.into(),
+            settings,
+            edits: EditList::default(),
+            path: Vec::new(),
+            path_easing: Easing::InOut,
+            path_looks_at: Some(DVec3::new(1.0, 2.0, 3.5)),
+            up_in_world: DVec3::Z,
+            view: "#view=1,2&frame=3".to_owned(),
+            layout: "{}".to_owned(),
+            look: toml::Table::from_iter([("overlay".to_owned(), "Depth".into())]),
+            kept_views: vec![("the \"door\"".to_owned(), ViewAddress::read("camera=a&frame=3").unwrap())],
+        }
+    }
+
+    #[test]
+    fn a_session_is_read_as_it_was_written_and_follows_its_folder_to_another_place() {
+        let text = session("/data/my scene/capture").to_text(Path::new("/data/my scene/a.overlook")).unwrap();
+        let first: Vec<&str> = text.lines().take(2).collect();
+        assert_eq!(first[0], "# A session of Overlook: overlook open '/data/my scene/a.overlook'");
+        assert!(
+            first[1].ends_with("'/data/my scene/capture' --out scene.ovl --set pruning.depth_tolerance=2.5"),
+            "{}",
+            first[1]
+        );
+        let read = Session::from_text(&text, Path::new("/else/where/a.overlook")).unwrap();
+        assert_eq!(read, session("/else/where/capture"));
+    }
+
+    const KEPT: &str =
+        "version = 1\nopens = \"a\"\nup = [0, 0, 1]\n[[kept_view]]\nname = \"a\"\nview = \"x\"\n";
+
+    #[test]
+    fn what_is_no_session_says_where_and_why() {
+        for (text, words) in [
+            ("version = 1\n", "missing field `opens`"),
+            ("version = 1\nopens = \"a\"\nup = [0, 0, 0]\n", "\"up\" is no direction"),
+            ("version = 2\nopens = \"a\"\nup = [0, 0, 1]\n", "this Overlook reads version 1"),
+            (KEPT, "the view of \"a\" is no address"),
+            ("version = 1\nopens = \"a\"\nfoo = 3\n", "line 3: unknown field `foo`"),
+            ("version = 1\nopens = \"a\"\nup = [0, 0, 1]\nsettings = \"x = 1\"\n", "unknown field `x`"),
+        ] {
+            let error = Session::from_text(text, Path::new("s.overlook")).unwrap_err().to_string();
+            assert!(error.starts_with("s.overlook") && error.contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_recent_picture_is_small_and_comes_back_from_text() {
+        let pixels = (0..300 * 200).map(|i| Color32::from_gray((i % 300) as u8)).collect();
+        let recent = RecentPicture::new(Path::new("/a"), &ColorImage::new([300, 200], pixels));
+        assert_eq!(recent.image.size, [100, 66]);
+        assert_eq!(recent.image.pixels[1], Color32::from_gray(4), "the mean of columns 3 to 5");
+        let text = recent.to_text().unwrap();
+        assert_eq!(RecentPicture::from_text("/a".into(), &text), Some(recent));
+        assert_eq!(RecentPicture::from_text("/a".into(), "no picture"), None);
+    }
+}

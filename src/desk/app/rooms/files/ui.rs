@@ -1,0 +1,354 @@
+//! The introduction of a first run, what was open lately, and a field for typing a path.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::{
+    Align, Color32, Frame, Id, Label, Layout, Margin, Modal, Panel, Pos2, Rect, RichText, Sense, Stroke,
+    StrokeKind, TextureHandle, Ui, pos2, vec2,
+};
+use egui_material_icons::icons::ICON_FOLDER_OPEN;
+
+use crate::app::model::command::{FileCommand, Opening, WindowCommand};
+use crate::app::model::purpose::{Purpose, Table, TypedPath};
+use crate::app::model::texture::RECENT_SIDES;
+use crate::app::model::ways_out::{ShareCommand, ShareWay};
+use crate::app::model::window::{DockView, Workspace};
+use crate::app::model::{self, Command, Commands, SceneSource, State};
+use crate::app::rooms::files::state::RecentPicture;
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{note, text_field_ui, weak};
+use overlook_engine::plural::counted;
+
+/// What a first run explains: title and text. Each speaks of a view that the first workspace shows.
+const HINTS: [(&str, &str); 3] = [
+    (
+        "Click a pixel",
+        "The Pixel view shows which cameras see the point, which one sampled it best, and why it is kept or dropped.",
+    ),
+    (
+        "Orbit the live view",
+        "Drag to orbit, turn the wheel to zoom, fly with W A S D. Double-click its tab to let it fill the window. Holes are filled; H \
+         shows where.",
+    ),
+    (
+        "Change a threshold",
+        "In Settings each threshold is a line on a histogram of its data. Drag one: this frame shows it at once, the whole capture \
+         follows.",
+    ),
+];
+
+/// Room for the button that dismisses the introduction, points.
+const DISMISS_WIDTH: f32 = 76.0;
+
+/// Room for the buttons beside what is said of the room, points.
+const ROOM_BUTTONS_WIDTH: f32 = 270.0;
+
+/// What somebody can do about the room, in its band.
+const ROOM_HELP: &str =
+    "Drag the picture to look around, turn the wheel to come nearer; space stops the time.";
+
+/// What the room that comes with the program is, until it is read.
+fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let Some((scene, report)) = state.doc.scene.as_ref().zip(state.report()) else { return };
+    let tokens = Tokens::in_ui(ui);
+    let band = Frame::new().fill(tokens.accent_faint).inner_margin(Margin::symmetric(space::PANEL, 8));
+    let account = report.pixel_account();
+    let sentence = format!(
+        "{} filmed this room for {}. {} of what they recorded is repeated, and said as well by another pixel: here is the rest.",
+        model::sentence(&counted(scene.cameras.len(), "camera")),
+        counted(scene.frame_count(), "frame"),
+        model::percent(account.represented(), account.pixels),
+    );
+    Panel::top("room").frame(band).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.vertical(|ui| {
+                ui.spacing_mut().item_spacing.y = 1.0;
+                ui.set_width(ui.available_width() - ROOM_BUTTONS_WIDTH);
+                ui.add(Label::new(RichText::new(sentence).strong()).wrap());
+                ui.add(Label::new(RichText::new(ROOM_HELP).color(tokens.text)).wrap());
+            });
+            if ui.button("See why").on_hover_text("What was dropped, and by which rule.").clicked() {
+                commands.push(Command::Window(WindowCommand::OpenView(DockView::Report)));
+            }
+            let own =
+                ui.button("Open your own…").on_hover_text("A capture folder; or drop it on the window.");
+            if own.clicked() {
+                commands.push(Command::File(FileCommand::AskPath(Purpose::OpenFolder)));
+            }
+            if ui.button("Got it").clicked() {
+                commands.push(Command::File(FileCommand::RoomExplained));
+            }
+        });
+    });
+}
+
+/// The introduction, until it is dismissed: a band of its own, so that it covers nothing of what it explains.
+pub(crate) fn introduction_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let is_room = state.doc.scene.as_ref().is_some_and(|scene| scene.origin == SceneSource::Room);
+    if is_room && !state.inspector.room_explained && state.look.maximized.is_none() {
+        return room_ui(ui, state, commands);
+    }
+    // It explains recorded pictures and thresholds, which a store does not have, and views that other workspaces lack.
+    let explains = state.has_capture() && state.look.workspace == Workspace::Inspect;
+    if state.inspector.introduced || !explains || state.look.maximized.is_some() {
+        return;
+    }
+    let tokens = Tokens::in_ui(ui);
+    let band = Frame::new().fill(tokens.accent_faint).inner_margin(Margin::symmetric(space::PANEL, 8));
+    Panel::top("introduction").frame(band).show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            let gap = ui.spacing().item_spacing.x;
+            let width = (ui.available_width() - DISMISS_WIDTH) / HINTS.len() as f32 - gap;
+            for (title, text) in HINTS {
+                ui.vertical(|ui| {
+                    ui.set_width(width);
+                    ui.spacing_mut().item_spacing.y = 1.0;
+                    ui.label(RichText::new(title).strong());
+                    ui.add(Label::new(RichText::new(text).color(tokens.text)).wrap());
+                });
+            }
+            if ui.button("Got it").clicked() {
+                commands.push(Command::File(FileCommand::Introduced));
+            }
+        });
+    });
+}
+
+const UNSAVED: &str =
+    "Settings were changed since the last store was saved. The pruned samples would be lost.";
+const WRITING: &str = "A file, pictures or a video are still being written. Closing now abandons them; the line at the bottom shows their \
+     progress.";
+const WRITTEN: &str = "What was being written is done.";
+
+/// The question before closing or before opening something else, while it is open.
+pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let closes = state.inspector.closing.asks;
+    if !closes && state.open_after_question.is_none() {
+        return;
+    }
+    let modal = Modal::new(Id::unique("closing")).show(ctx, |ui| {
+        ui.set_width(420.0);
+        let unsaved_work = state.unsaved_work();
+        let (title, text) = match (state.inspector.closing.writing, state.is_unsaved()) {
+            _ if !closes => ("Open something else?", None),
+            (true, _) => ("Close before all is written?", Some(WRITING)),
+            (false, true) => ("Close without saving?", Some(UNSAVED)),
+            (false, false) if unsaved_work.is_some() => ("Close without saving?", None),
+            (false, false) => ("Close now?", Some(WRITTEN)),
+        };
+        ui.heading(title);
+        if let Some(text) = text {
+            ui.label(text);
+        }
+        if let Some(unsaved_work) = unsaved_work {
+            ui.label(format!("This would be lost: {unsaved_work}."));
+        }
+        ui.add_space(space::MEDIUM);
+        ui.horizontal(|ui| closing_buttons_ui(ui, state, closes, commands));
+    });
+    if modal.should_close() {
+        commands.push(Command::File(FileCommand::Stay));
+    }
+}
+
+/// What can be saved before closing, and the answers; `closes` is false where something else is to be opened.
+fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut Commands) {
+    let inspector = &state.inspector;
+    let saves = closes && state.is_unsaved() && !inspector.closing.writing;
+    if saves && ui.button("Share the store…").accessible_name("Save before closing").clicked() {
+        commands.push(Command::File(FileCommand::Stay));
+        commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Store))));
+    }
+    let path = &state.doc.path;
+    if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {
+        commands.push(Command::File(FileCommand::Stay));
+        commands.push(Command::File(FileCommand::AskPath(Purpose::SavePath)));
+    }
+    for (table, is_lost) in [
+        (Table::Sweep, !state.doc.charts.sweep.is_empty()),
+        (Table::StressTest, !state.doc.charts.stress.is_empty()),
+    ] {
+        let name = format!("Save {}…", table.name());
+        if is_lost && ui.button(name).clicked() {
+            commands.push(Command::File(FileCommand::Stay));
+            commands.push(Command::File(FileCommand::AskPath(Purpose::SaveTable(table))));
+        }
+    }
+    let discard = ui.button(if closes { "Discard and close" } else { "Discard and open" });
+    if discard.clicked() {
+        commands.push(Command::File(FileCommand::GoOnAnyway));
+    }
+    // Nothing is lost by Enter.
+    let cancel = ui.button("Cancel").accessible_name("Cancel closing");
+    if ui.memory(|memory| memory.focused().is_none()) {
+        cancel.request_focus();
+    }
+    if cancel.clicked() {
+        commands.push(Command::File(FileCommand::Stay));
+    }
+}
+
+/// Recent files that are offered while nothing is open, and how many of them lie side by side.
+const SHOWN: usize = 6;
+const PER_ROW: usize = 3;
+
+/// Room for a name, points.
+const NAME_HEIGHT: f32 = 20.0;
+
+/// Recent files, each opened by a click.
+pub(crate) fn recent_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    if state.recent.is_empty() {
+        return;
+    }
+    ui.add_space(space::MEDIUM);
+    note(ui, "Recent");
+    let [width, height] = RECENT_SIDES.map(|side| side as f32);
+    let gap = ui.spacing().item_spacing;
+    let offered = &state.recent[..state.recent.len().min(SHOWN)];
+    for row in offered.chunks(PER_ROW) {
+        let size = vec2(row.len() as f32 * (width + gap.x) - gap.x, height + NAME_HEIGHT + gap.y);
+        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Min), |ui| {
+            for path in row {
+                let size = vec2(width, size.y);
+                ui.allocate_ui_with_layout(size, Layout::top_down(Align::Center), |ui| {
+                    card_ui(ui, path, state, commands);
+                });
+            }
+        });
+    }
+}
+
+fn card_ui(ui: &mut Ui, path: &Path, state: &State, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let [width, height] = RECENT_SIDES.map(|side| side as f32);
+    let (area, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
+    ui.painter().rect_filled(area, 4.0, tokens.surface);
+    if let Some(picture) = state.recent_pictures.iter().find(|picture| picture.path == path) {
+        picture_ui(ui, area, picture);
+    } else {
+        let icon = ICON_FOLDER_OPEN.rich_text().size(28.0).color(tokens.text_weak);
+        ui.put(area, Label::new(icon).selectable(false));
+    }
+    if response.hovered() || response.has_focus() {
+        ui.painter().rect_stroke(area, 4.0, Stroke::new(1.5, tokens.accent), StrokeKind::Inside);
+    }
+    let label =
+        ui.add_sized([width, NAME_HEIGHT], Label::new(name.as_ref()).truncate().sense(Sense::click()));
+    let is_label_clicked = label.on_hover_text(path.display().to_string()).clicked();
+    response.widget_info(|| {
+        let has_picture = state.recent_pictures.iter().any(|picture| picture.path == path);
+        let kind = if has_picture { "Open recent" } else { "Open recent without picture" };
+        egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{kind} {name}"))
+    });
+    if response.on_hover_text(path.display().to_string()).clicked() || is_label_clicked {
+        commands.push(Command::File(FileCommand::Open(Opening::Path(path.to_path_buf()))));
+    }
+}
+
+fn picture_ui(ui: &Ui, area: Rect, picture: &RecentPicture) {
+    let id = Id::unique("recent picture").with(&picture.path);
+    let of = Arc::as_ptr(&picture.image) as usize;
+    let known = ui.data(|data| data.get_temp::<(usize, TextureHandle)>(id)).filter(|(known, _)| *known == of);
+    let texture = known.map_or_else(
+        || {
+            let image = picture.image.clone();
+            let texture = ui.ctx().load_texture("recent picture", image, egui::TextureOptions::LINEAR);
+            ui.data_mut(|data| data.insert_temp(id, (of, texture.clone())));
+            texture
+        },
+        |(_, texture)| texture,
+    );
+    let size = picture.image.size.map(|side| side as f32);
+    let scale = (area.width() / size[0]).min(area.height() / size[1]);
+    let shown = Rect::from_center_size(area.center(), vec2(size[0], size[1]) * scale);
+    let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+    ui.painter().image(texture.id(), shown, whole, Color32::WHITE);
+}
+
+/// The question before something is replaced.
+fn replaced_words(typed: &TypedPath) -> String {
+    let path = typed.text.trim();
+    match typed.purpose {
+        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportPointsOfFrames => {
+            format!(
+                "Replace files in {path}? It holds files already; those of the same name will be replaced."
+            )
+        }
+        _ => format!("Replace {path}? It exists already."),
+    }
+}
+
+/// What the button does, and what kind of path it takes.
+fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
+    match purpose {
+        Purpose::OpenFile | Purpose::OpenFolder => {
+            ("Open", "folder of a capture, transforms.json, .ovl file, or the address of a view")
+        }
+        Purpose::SaveStore => ("Save", ".ovl file"),
+        Purpose::SaveSettings | Purpose::SaveEdits => ("Save", ".toml file"),
+        Purpose::SaveSession => ("Save", ".overlook file"),
+        Purpose::SaveTable(_) => ("Save", ".csv, .md or .tex file"),
+        Purpose::SavePicture => ("Save", ".png or .exr file"),
+        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportPointsOfFrames => ("Export", "folder"),
+        Purpose::ExportPage => ("Export", ".html file"),
+        Purpose::ExportSplats(_) => ("Export", "file of splats"),
+        Purpose::ExportFigure => ("Export", ".pdf, .svg or .png file"),
+        Purpose::SaveChart(_) => ("Save", ".pdf, .svg or .png file"),
+        Purpose::ExportPoints => ("Export", ".ply file"),
+        Purpose::ExportFilm => ("Export", ".mp4 file"),
+        Purpose::SaveCameras | Purpose::SavePath => ("Save", "transforms.json"),
+        Purpose::LoadPath => ("Load", "transforms.json"),
+        Purpose::OpenPictures => ("Load", "folder of pictures"),
+        Purpose::LoadSettings | Purpose::LoadEdits => ("Load", ".toml file"),
+    }
+}
+
+/// The field, while it is open.
+pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
+    let Some(typed) = &state.typed_path else { return };
+    let purpose = typed.purpose;
+    let (action, hint) = action_and_hint(purpose);
+    let title = if action == "Open" { "Open a capture or a store" } else { purpose.title() };
+    let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {
+        ui.set_width(480.0);
+        ui.heading(title);
+        if let Some(reason) = &typed.reason {
+            weak(ui, reason);
+        }
+        let base = Path::new(typed.text.trim());
+        if !base.is_absolute()
+            && !typed.text.trim().starts_with('~')
+            && let Some(folder) = &typed.folder
+        {
+            note(ui, format!("In {}", folder.display()));
+        }
+        ui.add_space(space::MEDIUM);
+        let mut text = typed.text.clone();
+        let (changed, entered) = text_field_ui(ui, &mut text, hint, "Path");
+        if changed {
+            commands.push(Command::File(FileCommand::TypedPath(text)));
+        }
+        if entered {
+            commands.push(Command::File(FileCommand::TakeTypedPath));
+        }
+        if typed.replaces {
+            ui.label(RichText::new(replaced_words(typed)).color(Tokens::in_ui(ui).warning));
+        }
+        ui.add_space(space::MEDIUM);
+        ui.horizontal(|ui| {
+            let action = if typed.replaces { "Replace" } else { action };
+            let take = ui.add_enabled(!typed.text.trim().is_empty(), egui::Button::new(action));
+            if take.accessible_name(format!("{action} this path")).clicked() {
+                commands.push(Command::File(FileCommand::TakeTypedPath));
+            }
+            if ui.button("Cancel").accessible_name("Cancel this path").clicked() {
+                commands.push(Command::File(FileCommand::CloseTypedPath));
+            }
+        });
+    });
+    if modal.should_close() {
+        commands.push(Command::File(FileCommand::CloseTypedPath));
+    }
+}

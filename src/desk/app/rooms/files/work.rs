@@ -1,0 +1,399 @@
+//! Opens captures and stores; reads and writes files, and asks where.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use egui::ColorImage;
+use image::{ImageFormat, RgbaImage};
+
+use crate::app::model::look::Display;
+use crate::app::model::purpose::{Destination, Purpose, TableForm};
+use crate::app::model::{Content, Message, OpenScene, SceneSource, median_depth};
+use crate::app::rooms::compare::state::PictureFolder;
+use crate::app::rooms::files::SessionLook;
+use crate::app::rooms::files::state::{SESSION_ENDING, Session};
+use crate::app::work::requests::{FileRequest, OpenRequest};
+use crate::{address, pruned_store};
+use overlook_engine::capture::transforms::{
+    self, PathFile, open_pictures, path_to_json, picture_name, write_cameras,
+};
+use overlook_engine::capture::{Capture, Source, TruthView};
+use overlook_engine::demo::Demo;
+use overlook_engine::edited_store::write_edited_store;
+use overlook_engine::edits::EditList;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::render::Picture;
+use overlook_engine::render::output::write_exr;
+use overlook_engine::settings::{CaptureSettings, Settings};
+use overlook_engine::store::file::{Extras, Provenance, Store};
+use overlook_engine::store::playback::Playback;
+use overlook_engine::{store, whole_file};
+use overlook_lab::chart::Chart;
+
+/// The store that the window opens by itself: `assets/room/make.sh` made it.
+static ROOM: &[u8] = include_bytes!("../../../../../assets/room/room.ovl");
+
+/// What errors about it name.
+const ROOM_NAME: &str = "the built-in room";
+
+/// Opens a built-in scene, a capture or a store.
+pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
+    let opened = match request {
+        OpenRequest::Demo { spec, settings } => {
+            job.start(format!("Opening {}", spec.scene), 0);
+            let demo = Demo::new(&spec)?;
+            let capture = demo.capture(&settings);
+            let truth = demo.truth_views();
+            open_capture(SceneSource::Demo(spec.scene), capture, truth, job)
+        }
+        OpenRequest::Room => {
+            let store = Store::over(Path::new(ROOM_NAME), Box::new(ROOM.to_vec()))?;
+            let playback = Playback::new(store, store::playback::DEFAULT_CACHE_BYTES);
+            OpenScene::of_store(SceneSource::Room, playback, job)
+        }
+        OpenRequest::Path { path, settings, keys } => {
+            job.start(format!("Opening {}", path.display()), 0);
+            if Session::is_session(&path) {
+                open_session(&path, job)
+            } else {
+                open_path(path, &settings, &keys, job)
+            }
+        }
+    }?;
+    // Who cancelled meanwhile, or opened something else, does not want it any more.
+    job.check()?;
+    Ok(Message::Opened(Arc::new(opened)))
+}
+
+/// Opens what a session names, with its settings.
+fn open_session(path: &Path, job: &Job) -> Result<OpenScene> {
+    let session = Session::from_text(&whole_file::short_text(path)?, path)?;
+    SessionLook::read(&session.look, path)?;
+    let scene = open_path(session.opens.clone(), &session.settings.capture, &[], job)?;
+    Ok(OpenScene { session: Some(session), ..scene })
+}
+
+fn open_path(
+    path: PathBuf,
+    settings: &CaptureSettings,
+    keys: &[(String, String)],
+    job: &Job,
+) -> Result<OpenScene> {
+    if Store::is_store(&path)? {
+        let playback = Playback::new(Store::open(&path)?, store::playback::DEFAULT_CACHE_BYTES);
+        return OpenScene::of_store(SceneSource::Path(path), playback, job);
+    }
+    let source = Source::find(&path)?;
+    let manifest = source.manifest().map(PathBuf::from);
+    let is_reread = !keys.is_empty();
+    let source = if is_reread { source.read_as(keys)? } else { source };
+    let up_is_estimated = source.description().up_is_estimated;
+    let mut capture = source.open(settings)?;
+    job.check()?;
+    let mut truth = Vec::new();
+    if is_reread {
+        let keys: Vec<String> = keys.iter().map(|(key, value)| format!("\"{key}\": {value}")).collect();
+        capture = capture.with_warning(format!(
+            "it is open under another reading than that of its files; to keep this, write {} in the manifest",
+            keys.join(", ")
+        ));
+    } else if let Some(views) = transforms::truth_beside(&path) {
+        // Views beside a capture that is read otherwise are placed as the capture was: they would show something else.
+        truth = transforms::open_views_of(&views, capture.frames_are_ranked())?;
+    }
+    let scene = open_capture(SceneSource::Path(path), capture, truth, job)?;
+    Ok(OpenScene { up_is_estimated, manifest, is_reread, ..scene })
+}
+
+fn open_capture(
+    origin: SceneSource,
+    capture: Capture,
+    truth: Vec<TruthView>,
+    job: &Job,
+) -> Result<OpenScene> {
+    job.check()?;
+    if capture.cameras.is_empty() || capture.frame_count() == 0 {
+        return Err(Error::invalid(&capture.name, "there is no camera or no frame in it"));
+    }
+    let depth = median_depth(capture.frame(0, 0)?.inverse_depth.as_slice());
+    Ok(OpenScene::of_capture(origin, capture, truth, depth))
+}
+
+/// The endings of a picture's file: as shown, and as rendered with depth.
+const ENDINGS: [&str; 2] = ["png", "exr"];
+
+/// The path with the ending of a picture; `None` if it has another one.
+pub(crate) fn with_ending(path: PathBuf) -> Option<PathBuf> {
+    match path.extension() {
+        None => Some(path.with_extension(ENDINGS[0])),
+        Some(ending) => ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)).then_some(path),
+    }
+}
+
+/// Writes a picture as it is shown, with alpha 0 where `is_empty`, or as it was rendered, by the ending of its path.
+pub(crate) fn save_picture(
+    path: &Path,
+    picture: &ColorImage,
+    rendered: &Picture,
+    display: &Display,
+) -> Result<()> {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ENDINGS[1])) {
+        return write_exr(path, rendered);
+    }
+    let width = rendered.color.width();
+    let pixels = picture.pixels.iter().enumerate();
+    let bytes = pixels.flat_map(|(index, pixel)| {
+        let is_left_out = display.leaves_out(rendered, (index % width, index / width));
+        if is_left_out { [0; 4] } else { [pixel.r(), pixel.g(), pixel.b(), u8::MAX] }
+    });
+    write_rgba(path, picture.size, bytes.collect())
+}
+
+/// Writes a PNG. The file takes its name once it is whole.
+fn write_rgba(path: &Path, [width, height]: [usize; 2], bytes: Vec<u8>) -> Result<()> {
+    let png = RgbaImage::from_raw(width as u32, height as u32, bytes).filter(|_| width * height > 0);
+    let png = png.ok_or_else(|| {
+        Error::invalid(path.display(), "the picture has no size; show it once, then try again")
+    })?;
+    whole_file::write(path, |writer| {
+        png.write_to(writer, ImageFormat::Png).map_err(|error| match error {
+            image::ImageError::IoError(error) => Error::io(path, error),
+            error => Error::invalid(path.display(), error.to_string()),
+        })
+    })
+}
+
+/// Reads or writes a file.
+pub(crate) fn file(request: FileRequest, job: &Job) -> Result<Message> {
+    let (path, bytes, holds) = match request {
+        FileRequest::SaveStore { path, scene, samples, report } => {
+            job.start(format!("Saving {}", path.display()), 0);
+            let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
+            let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
+            let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
+            let bytes = store::file::write_with(&path, &samples, &extras, job)?;
+            (path, Some(bytes), Some((scene.id, samples.settings.clone())))
+        }
+        FileRequest::SaveAgain { path, playback, edits } => {
+            let store = playback.store();
+            let bytes = if edits.is_idle() {
+                store::write_again(&path, store, None, job)?
+            } else {
+                write_edited_store(&path, store, &edits, None, job)?.0
+            };
+            (path, Some(bytes), None)
+        }
+        FileRequest::SaveEdited { path, scene, settings, edits } => {
+            let (_, bytes) = pruned_store::prune_into_store(scene.source()?, &settings, &edits, &path, job)?;
+            (path, Some(bytes), Some((scene.id, settings)))
+        }
+        FileRequest::SaveEdits { path, list } => {
+            whole_file::write_all(&path, list.to_toml())?;
+            return Ok(Message::EditsSaved { path, list });
+        }
+        FileRequest::LoadEdits { path, scene } => {
+            let list = EditList::load(&path)?;
+            return Ok(Message::EditsLoaded { scene, path, list });
+        }
+        FileRequest::SaveSettings { path, settings } => {
+            whole_file::write_all(&path, settings.to_toml())?;
+            (path, None, None)
+        }
+        FileRequest::SavePicture { path, picture, rendered, display } => {
+            save_picture(&path, &picture, &rendered, &display)?;
+            (path, None, None)
+        }
+        FileRequest::SaveText { path, text } => {
+            whole_file::write_all(&path, text)?;
+            (path, None, None)
+        }
+        FileRequest::SaveChart { path, chart } => {
+            write_chart(&path, &chart)?;
+            (path, None, None)
+        }
+        FileRequest::CopyChart { study, chart } => {
+            return Ok(Message::ChartDrawn { study, image: chart_image(&chart)? });
+        }
+        FileRequest::SaveCameras { path, cameras, frame_number, up_in_world } => {
+            write_cameras(&path, &cameras, frame_number, up_in_world)?;
+            (path, None, None)
+        }
+        FileRequest::SavePath { path, scene, camera_path, size, up_in_world } => {
+            let views = camera_path.views(size, &scene.frame_numbers);
+            whole_file::write_all(&path, path_to_json(up_in_world, &views, camera_path.easing)?)?;
+            return Ok(Message::PathSaved { path, saved: camera_path });
+        }
+        FileRequest::LoadPath { path, scene } => {
+            let file = read_path(&path)?;
+            return Ok(Message::PathLoaded { scene, path, file });
+        }
+        FileRequest::OpenPictures { path, scene } => {
+            let folder = open_rendered(&path, &scene)?;
+            return Ok(Message::PicturesOpened { scene: scene.id, folder });
+        }
+        FileRequest::LoadSettings { path } => {
+            let settings = Settings::load(&path)?;
+            return Ok(Message::SettingsLoaded { path, settings });
+        }
+    };
+    Ok(Message::Saved { path, bytes, holds })
+}
+
+/// Bytes of a camera path at most: some 100,000 pictures.
+const MOST_OF_A_PATH: u64 = 64 << 20;
+
+fn read_path(path: &Path) -> Result<PathFile> {
+    let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
+    if length > MOST_OF_A_PATH {
+        return Err(Error::invalid(path.display(), format!("{length} bytes are too many for a camera path")));
+    }
+    transforms::open_path(path, false)
+}
+
+/// Whether a destination exists, so that writing would replace it.
+pub(crate) fn check(destination: Destination) -> Message {
+    let path = &destination.path;
+    let taken = match destination.purpose {
+        purpose if purpose.fills_folder() => {
+            std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some())
+        }
+        purpose if !purpose.writes() => address::of_path(path).0.exists(),
+        _ => path.is_file(),
+    };
+    Message::DestinationChecked { destination, taken }
+}
+
+/// The path that is chosen in the system's dialog; `None` if the dialog is closed.
+pub(crate) fn ask(purpose: Purpose, name: String) -> Option<PathBuf> {
+    let dialog = rfd::FileDialog::new().set_file_name(name).set_title(purpose.title());
+    match purpose {
+        Purpose::OpenFolder
+        | Purpose::ExportPictures
+        | Purpose::ExportExr
+        | Purpose::ExportPointsOfFrames
+        | Purpose::OpenPictures => dialog.pick_folder(),
+        Purpose::OpenFile => dialog
+            .add_filter(
+                "Stores, captures and sessions",
+                &["ovl", SESSION_ENDING, "json", "txt", "bin", "log"],
+            )
+            .add_filter("All files", &["*"])
+            .pick_file(),
+        Purpose::LoadSettings => dialog.add_filter("Settings", &["toml"]).pick_file(),
+        Purpose::LoadEdits => dialog.add_filter("Edits", &["toml"]).pick_file(),
+        Purpose::SaveSession => dialog.add_filter("Session", &[SESSION_ENDING]).save_file(),
+        Purpose::SaveEdits => dialog.add_filter("Edits", &["toml"]).save_file(),
+        Purpose::SaveCameras => dialog.add_filter("Cameras", &["json"]).save_file(),
+        Purpose::SavePath => dialog.add_filter("Camera path", &["json"]).save_file(),
+        Purpose::LoadPath => dialog.add_filter("Camera path", &["json"]).pick_file(),
+        Purpose::SaveStore => dialog.add_filter("Store", &["ovl"]).save_file(),
+        Purpose::SaveSettings => dialog.add_filter("Settings", &["toml"]).save_file(),
+        Purpose::SaveTable(_) => TableForm::ALL
+            .iter()
+            .fold(dialog, |dialog, (_, name, ending)| dialog.add_filter(*name, &[ending]))
+            .save_file(),
+        Purpose::SavePicture => dialog.add_filter("PNG, EXR", &ENDINGS).save_file(),
+        Purpose::ExportFilm => dialog.add_filter("Video", &["mp4", "m4v"]).save_file(),
+        Purpose::ExportPage => dialog.add_filter("HTML", &["html"]).save_file(),
+        Purpose::ExportSplats(format) => dialog.add_filter("Splats", &[format.name()]).save_file(),
+        Purpose::ExportFigure | Purpose::SaveChart(_) => {
+            dialog.add_filter("PDF, SVG, PNG", &FIGURE_ENDINGS).save_file()
+        }
+        Purpose::ExportPoints => dialog.add_filter("PLY", &["ply"]).save_file(),
+    }
+}
+
+static NEXT_ID: AtomicU64 = AtomicU64::new(1);
+
+/// The pictures in a folder of viewpoints with true pictures, and of cameras that may be held out.
+///
+/// # Errors
+/// `Invalid` where a store is open, or the folder has a picture of neither; those of reading its `transforms.json`.
+pub(crate) fn open_rendered(folder: &Path, scene: &OpenScene) -> Result<PictureFolder> {
+    let Content::Capture { capture, truth } = &scene.content else {
+        return Err(Error::invalid(
+            folder.display(),
+            "a store has no viewpoints with true pictures to compare with; open the capture it was made from",
+        ));
+    };
+    if !folder.is_dir() {
+        return Err(Error::io(folder, std::io::ErrorKind::NotFound.into()));
+    }
+    let with_truth: Vec<TruthView> = truth.iter().filter(|view| view.truth.is_some()).cloned().collect();
+    let of_camera = |camera| {
+        let view =
+            move |number: &i64| TruthView::new(picture_name(camera, *number), camera.clone(), *number, None);
+        capture.frame_numbers.iter().map(view)
+    };
+    let of_cameras: Vec<TruthView> = capture.cameras.iter().flat_map(of_camera).collect();
+    let find = |views: &[TruthView]| open_pictures(folder, views, capture.frames_are_ranked());
+    let found = if with_truth.is_empty() { None } else { Some(find(&with_truth)) };
+    let (of_views, trouble) = match found {
+        Some(Ok(pictures)) => (Some(Arc::new(pictures)), None),
+        Some(Err(error)) => (None, Some(error)),
+        None => (None, None),
+    };
+    let of_cameras = match find(&of_cameras) {
+        Ok(pictures) => Some(Arc::new(pictures)),
+        Err(error) if of_views.is_none() => return Err(trouble.unwrap_or(error)),
+        Err(_) => None,
+    };
+    let id = NEXT_ID.fetch_add(1, Ordering::Relaxed);
+    Ok(PictureFolder { id, of_views, of_cameras, frame_count: capture.frame_count() })
+}
+
+/// The endings of a figure's file, the usual one first.
+pub(crate) const FIGURE_ENDINGS: [&str; 3] = ["pdf", "svg", "png"];
+
+/// Writes a chart in the format that the ending of its path names. The file takes its name once it is whole. Gives its bytes.
+///
+/// # Errors
+/// `Invalid` for another ending, and those of drawing and writing.
+pub(crate) fn write_chart(path: &Path, chart: &Chart) -> Result<u64> {
+    let bytes = bytes_of(path, chart)?;
+    whole_file::write_all(path, &bytes)?;
+    Ok(bytes.len() as u64)
+}
+
+/// A chart as an image.
+///
+/// # Errors
+/// Those of drawing.
+pub(crate) fn chart_image(chart: &Chart) -> Result<ColorImage> {
+    let pixels = image::load_from_memory(&chart.png()?)
+        .map_err(|error| Error::invalid("figure", error.to_string()))?;
+    Ok(color_image(&pixels.into_rgba8()))
+}
+
+pub(crate) fn color_image(pixels: &RgbaImage) -> ColorImage {
+    let size = [pixels.width(), pixels.height()].map(|side| side as usize);
+    ColorImage::from_rgba_unmultiplied(size, pixels)
+}
+
+fn bytes_of(path: &Path, chart: &Chart) -> Result<Vec<u8>> {
+    let is = |known: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
+    match FIGURE_ENDINGS.iter().position(|known| is(known)) {
+        Some(0) => chart.pdf(),
+        Some(1) => Ok(chart.svg().into_bytes()),
+        Some(_) => chart.png(),
+        None => {
+            Err(Error::invalid(path.display(), "a figure is PDF, SVG or PNG; name it .pdf, .svg or .png"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_without_an_ending_gets_one_and_other_endings_are_not_taken() {
+        let ending = |path: &str| with_ending(path.into());
+        assert_eq!(ending("/a/view"), Some("/a/view.png".into()));
+        assert_eq!(ending("/a/view.PNG"), Some("/a/view.PNG".into()));
+        assert_eq!(ending("/a/view.exr"), Some("/a/view.exr".into()));
+        assert_eq!((ending("/a/view.jpg"), ending("/a/view.2")), (None, None));
+    }
+}

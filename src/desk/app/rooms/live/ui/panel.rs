@@ -1,0 +1,301 @@
+//! The live view's lens, the cameras whose samples it shows, its pose in numbers, its guides, and the views that are kept.
+
+use std::f64::consts::PI;
+
+use egui::{
+    Checkbox, DragValue, Grid, Label, Popup, PopupCloseBehavior, Rect, Response, RichText, ScrollArea, Sense,
+    Slider, TextEdit, Ui, vec2,
+};
+use egui_material_icons::icons::{
+    ICON_BOOKMARK_ADD, ICON_CONTENT_COPY, ICON_CONTENT_PASTE, ICON_DELETE, ICON_LINK, ICON_PLACE,
+};
+
+use crate::app::camera_cues;
+use crate::app::model::camera::{ANGLES_OF_VIEW, OrbitCamera, ViewAngles};
+use crate::app::model::command::{KeptViewCommand, ViewCommand};
+use crate::app::model::look::{FLY_SPEEDS, FrameGuide, UP_DIRECTIONS, Unit};
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::cameras::ui::camera_list_ui;
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{
+    choice_ui, heading_ui, icon_button, note, picture, segments_ui, text_field_ui, view_picture_ui, weak,
+};
+
+/// Frames of the window for which the panel scrolls to what was asked for: it may lie behind another then.
+const NEW: u64 = 4;
+
+/// The panel.
+pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let Some(orbit) = &state.live.orbit else { return };
+    let mut sent = Vec::new();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        lens_ui(ui, orbit, &mut sent);
+        heading_ui(ui, "Cameras");
+        // The rows are closer than what follows.
+        ui.scope(|ui| camera_list_ui(ui, state, commands));
+        pose_ui(ui, state, orbit, &mut sent);
+        guides_ui(ui, state, &mut sent);
+        moving_ui(ui, state, &mut sent);
+        heading_ui(ui, "Kept views");
+        kept_views_ui(ui, state, &mut sent);
+    });
+    commands.extend(sent.into_iter().map(Command::View));
+}
+
+fn grid_ui(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
+    Grid::new(name).num_columns(2).spacing([space::LARGE, 6.0]).show(ui, contents);
+}
+
+fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
+    heading_ui(ui, "Lens");
+    let mut degrees = orbit.angle_of_view() * 180.0 / PI;
+    let range = ANGLES_OF_VIEW.map(|angle| angle * 180.0 / PI);
+    ui.horizontal(|ui| {
+        ui.label("Field of view");
+        let slider = Slider::new(&mut degrees, range[0]..=range[1]).suffix("°").max_decimals(1);
+        let slider = ui.add(slider).accessible_name("Field of view");
+        if slider.on_hover_text("Horizontal angle that the lens sees.").changed() {
+            sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angle_of_view(degrees * PI / 180.0)));
+        }
+    });
+    note(ui, format!("focal length {:.0} px of {}×{}", orbit.lens.fx, orbit.lens.width, orbit.lens.height));
+}
+
+fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
+    heading_ui(ui, "Pose");
+    let mut position = orbit.world_from_camera.translation;
+    let mut angles = orbit.angles();
+    let speed = orbit.pivot_distance * 0.005;
+    ui.horizontal(|ui| {
+        // Three numbers and their unit fit into the narrowest panel.
+        ui.spacing_mut().item_spacing.x = space::SMALL;
+        ui.spacing_mut().button_padding.x = space::SMALL + 1.0;
+        for (name, value) in [("X", &mut position.x), ("Y", &mut position.y), ("Z", &mut position.z)] {
+            let drag = DragValue::new(value).speed(speed).max_decimals(4).prefix(format!("{name} "));
+            let drag = ui.add(drag.update_while_editing(false)).accessible_name(format!("Position {name}"));
+            drag.on_hover_text("Position of the eye in world space.");
+        }
+        if state.live.unit == Unit::Meters {
+            ui.label("m");
+        }
+    });
+    if position != orbit.world_from_camera.translation {
+        sent.push(ViewCommand::camera(orbit, |orbit| orbit.world_from_camera.translation = position));
+    }
+    let before = angles;
+    ui.horizontal_wrapped(|ui| {
+        let ViewAngles { heading, pitch, roll } = &mut angles;
+        for (name, help, value) in [
+            ("Heading", "Where the view looks on the compass: 0° along +Y, 90° along +X.", heading),
+            ("Pitch", "How far it looks up.", pitch),
+            ("Roll", "How far it is turned clockwise about the line of sight.", roll),
+        ] {
+            let mut degrees = *value * 180.0 / PI;
+            let drag = DragValue::new(&mut degrees).speed(0.5).max_decimals(1).suffix("°");
+            let drag = ui.add(drag.update_while_editing(false)).accessible_name(name);
+            if drag.on_hover_text(format!("{name}: {help}")).changed() {
+                *value = degrees * PI / 180.0;
+            }
+        }
+        let caption = RichText::new("heading, pitch, roll").small().color(Tokens::in_ui(ui).text_weak);
+        // In a row of its own where it does not fit beside the numbers.
+        ui.add(Label::new(caption).extend());
+    });
+    if angles != before {
+        sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angles(angles)));
+    }
+    ui.horizontal_wrapped(|ui| {
+        for (icon, name, help, command) in [
+            (ICON_CONTENT_COPY, "Copy view", COPY, ViewCommand::Copy),
+            (
+                ICON_CONTENT_PASTE,
+                "Paste view",
+                "Go to a copied view or address (Ctrl+V).",
+                ViewCommand::Paste,
+            ),
+            (ICON_LINK, "Copy address", ADDRESS, ViewCommand::CopyAddress),
+        ] {
+            let button = ui.button((icon.rich_text(), name)).accessible_name(name);
+            if button.on_hover_text(help).clicked() {
+                sent.push(command);
+            }
+        }
+    });
+}
+
+const ADDRESS: &str =
+    "Copy the address of this view (Ctrl+L): this window, overlook open and exported pages go to it.";
+
+const COPY: &str = "Copy pose, lens and frame as text (Ctrl+C): a transforms.json that this window pastes and render --views takes.";
+
+fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
+    heading_ui(ui, "Guides");
+    let mut guides = state.live.guides;
+    ui.horizontal(|ui| {
+        ui.label("Frame");
+        if let Some(frame) = segments_ui(ui, "Frame guide", guides.frame, FrameGuide::ALL) {
+            guides.frame = frame;
+        }
+    });
+    for (name, help, on) in [
+        ("Lock aspect", "Give the picture the shape of that frame.", &mut guides.locks_aspect),
+        ("Axes", "The world's axes; click one to look along it.", &mut guides.axes),
+        ("Ground grid", "The ground at the height of the world's origin.", &mut guides.grid),
+        ("Pictures in cameras", "Draw every camera with its picture.", &mut guides.pictures),
+    ] {
+        ui.add(Checkbox::new(on, name)).on_hover_text(help);
+    }
+    if guides != state.live.guides {
+        sent.push(ViewCommand::look(&state.live, |live| live.guides = guides));
+    }
+}
+
+fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
+    heading_ui(ui, "Navigation");
+    grid_ui(ui, "moving", |ui| {
+        ui.label("Fly speed");
+        let mut speed = state.live.fly_speed;
+        let slider = Slider::new(&mut speed, FLY_SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
+        let help = "Speed of W A S D, Q E; [ and ] change it, Shift is four times as fast.";
+        if ui.add(slider).accessible_name("Fly speed").on_hover_text(help).changed() {
+            sent.push(ViewCommand::look(&state.live, |live| live.fly_speed = speed));
+        }
+        ui.end_row();
+        let up = ui.label("Up");
+        let now = ui.ctx().cumulative_frame_nr();
+        if state.live.up_wanted_at.is_some_and(|at| now <= at + NEW) {
+            up.scroll_to_me(Some(egui::Align::Center));
+        }
+        if let Some(up) = choice_ui(ui, "Up axis", state.live.up, &UP_DIRECTIONS, 106.0) {
+            sent.push(ViewCommand::Up(up));
+        }
+        ui.end_row();
+        ui.label("Unit");
+        if let Some(unit) = segments_ui(ui, "Unit", state.live.unit, Unit::ALL) {
+            sent.push(ViewCommand::look(&state.live, |live| live.unit = unit));
+        }
+        ui.end_row();
+        ui.label("Distance");
+        ui.horizontal(|ui| {
+            let ruler = &state.live.ruler;
+            let button = ui.selectable_label(ruler.active, "Measure distance");
+            if button
+                .on_hover_text("Click two points of the live view to measure between them (M).")
+                .clicked()
+            {
+                sent.push(ViewCommand::look(&state.live, |live| live.ruler.measure(!ruler.active)));
+            }
+            if let Some(distance) = ruler.distance() {
+                ui.label(RichText::new(state.live.unit.length(distance)).strong());
+            }
+        });
+        ui.end_row();
+    });
+}
+
+/// Room for the button behind a name, points.
+const BUTTON: f32 = 30.0;
+
+/// The section of the panel.
+pub(crate) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
+    let kept = &state.doc.kept_views;
+    for (index, kept) in kept.iter().enumerate() {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = space::SMALL;
+            let picture = state.doc.view_pictures.of(&kept.view);
+            if view_picture_ui(ui, picture, &kept.name) {
+                sent.push(ViewCommand::Kept(KeptViewCommand::GoTo(index)));
+            }
+            let mut name = kept.name.clone();
+            let width = (ui.available_width() - BUTTON).max(40.0);
+            let field = ui.add(TextEdit::singleline(&mut name).desired_width(width));
+            if field.accessible_name(format!("Name of kept view {}", index + 1)).changed() {
+                sent.push(ViewCommand::Kept(KeptViewCommand::Rename(index, name)));
+            }
+            let remove = format!("Remove {}", kept.name);
+            if icon_button(ui, ICON_DELETE, &remove, "Remove this view from the list.").clicked() {
+                sent.push(ViewCommand::Kept(KeptViewCommand::Remove(index)));
+            }
+        });
+    }
+    let button = ui.button((ICON_BOOKMARK_ADD.rich_text(), "Keep view")).accessible_name("Keep view");
+    if button.on_hover_text("Keep this view and its frame in the list (Ctrl+D).").clicked() {
+        sent.push(ViewCommand::Kept(KeptViewCommand::Keep));
+    }
+    if !kept.is_empty() {
+        note(ui, "A picture goes there; Alt and the left arrow come back. Sessions keep the list.");
+    }
+}
+
+/// Height of an entry, points.
+const ROW: f32 = 42.0;
+
+/// Width of an entry's picture.
+const LISTED_PICTURE: f32 = 52.0;
+
+/// In less than this width the button shows an icon instead of its name, since the tabs need the room.
+const NARROW: f32 = 180.0;
+
+/// The button and its list.
+pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let Some(scene) = &state.doc.scene else { return };
+    let text = if ui.available_width() < NARROW { ICON_PLACE.rich_text() } else { "Go to…".into() };
+    let button = ui.button(text).accessible_name("Go to camera");
+    let button = button.on_hover_text("View from a camera.");
+    let id = ui.scope_id().with("go to");
+    Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside).width(260.0).show(|ui| {
+        let mut filter: String = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        let (changed, entered) = text_field_ui(ui, &mut filter, "Filter by name", "Filter cameras");
+        if changed {
+            ui.data_mut(|data| data.insert_temp(id, filter.clone()));
+        }
+        let wanted = filter.to_lowercase();
+        let matching: Vec<usize> = (0..scene.cameras.len())
+            .filter(|index| scene.cameras[*index].name.to_lowercase().contains(&wanted))
+            .collect();
+        ui.add_space(space::SMALL);
+        let mut chosen = matching.first().copied().filter(|_| entered);
+        if matching.is_empty() {
+            weak(ui, "No camera of that name.");
+        }
+        ui.spacing_mut().item_spacing.y = 2.0;
+        let list = ScrollArea::vertical().max_height(360.0).auto_shrink([false, true]);
+        list.show_rows(ui, ROW, matching.len(), |ui, rows| {
+            for index in &matching[rows] {
+                if entry_ui(ui, state, *index).clicked() {
+                    chosen = Some(*index);
+                }
+            }
+        });
+        if let Some(camera) = chosen {
+            commands.push(Command::View(ViewCommand::JumpTo(camera)));
+            ui.data_mut(|data| data.remove::<String>(id));
+            ui.close();
+        }
+    });
+}
+
+fn entry_ui(ui: &mut Ui, state: &State, index: usize) -> Response {
+    let tokens = Tokens::in_ui(ui);
+    let camera = &state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras)[index];
+    let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    let name = camera.name.as_str();
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    if response.hovered() || response.has_focus() {
+        ui.painter().rect_filled(row, 4.0, tokens.raised_hovered);
+    }
+    let room = Rect::from_min_size(row.min + vec2(3.0, 3.0), vec2(LISTED_PICTURE, ROW - 6.0));
+    ui.painter().rect_filled(room, 3.0, tokens.canvas);
+    if let Some(texture) = state.doc.thumbs.get(index) {
+        let [width, height] = [camera.intrinsics.width, camera.intrinsics.height].map(|side| side as f32);
+        let scale = (room.width() / width).min(room.height() / height);
+        let area = Rect::from_center_size(room.center(), vec2(width, height) * scale);
+        picture(ui.painter(), texture.id(), area);
+    }
+    let dot = egui::pos2(room.right() + 12.0, row.center().y);
+    camera_cues::sign(ui.painter(), Rect::from_center_size(dot, vec2(10.0, 10.0)), index);
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let at = dot + vec2(12.0, 0.0);
+    ui.painter().text(at, egui::Align2::LEFT_CENTER, name, font, tokens.text);
+    response
+}

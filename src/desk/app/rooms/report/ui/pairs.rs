@@ -1,0 +1,333 @@
+//! Which camera's samples replace whose, and how well cameras agree on positions: a wrong pose shows on static surfaces, a wrong clock
+//! on moving ones, noise on both.
+
+use egui::{Align2, Color32, FontId, Painter, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+
+use crate::app::camera_cues;
+use crate::app::colormap::sequential;
+use crate::app::model::purpose::Table;
+use crate::app::model::{self, Commands};
+use crate::app::rooms::source::ui::legend::bar;
+use crate::app::theme::{Tokens, space};
+use crate::app::widgets::{note, table_ui, weak};
+use overlook_engine::plural::counted;
+use overlook_engine::preprocess::diagnostics::{PairResiduals, Report, Residual};
+
+/// The matrix of replaced samples.
+pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+    ui.heading("Which camera replaces which");
+    weak(ui, "Rows lose samples, columns keep the ones that replace them.");
+    table_ui(ui, Table::Replacements, commands);
+    left_out_ui(ui, report);
+    let most = report.witnesses.iter().map(|(.., count)| *count).max().unwrap_or(0).max(1) as f32;
+    let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    let kept_for = |winner: usize| {
+        let counts = (0..names.len()).filter_map(|loser| report.witnesses.get(loser, winner));
+        counts.map(|count| *count as f32).sum::<f32>()
+    };
+    let order = by_weight(names.len(), kept_for);
+    pairs_ui(ui, "replacements", &names, &order, |loser, winner| {
+        let count = *report.witnesses.get(loser, winner)?;
+        Some(PairCell {
+            // The square root makes small counts differ from none.
+            strength: (count > 0).then(|| (count as f32 / most).sqrt()),
+            text: model::count(count),
+            help: format!(
+                "'{}': {} dropped for '{}'",
+                names[loser],
+                model::count_of(count, "sample"),
+                names[winner]
+            ),
+        })
+    });
+}
+
+/// Says what the matrix of replaced samples lacks where there are many cameras.
+fn left_out_ui(ui: &mut Ui, report: &Report) {
+    let left_out: u64 = report.witnesses_left_out.iter().sum();
+    if left_out > 0 {
+        let samples = model::count_of(left_out, "sample");
+        weak(
+            ui,
+            format!("Each row shows the cameras that replace most of it; {samples} were dropped for others."),
+        );
+    }
+}
+
+/// A scale ends at this many times the mean: a pair that is far off does not make all others alike.
+const ABOVE_MEAN: f32 = 3.0;
+
+/// The least that the end of a scale stands for, footprints.
+const LEAST_FOOTPRINTS: f32 = 0.05;
+
+/// Both matrices, and notes on cameras that do not fit.
+pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+    let tokens = Tokens::in_ui(ui);
+    ui.heading("How well cameras agree");
+    let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";
+    let suspects = report.suspects();
+    for (cause, warning) in &suspects {
+        let words = format!("{}: {warning}", cause.name());
+        ui.label(RichText::new(words).color(tokens.warning)).on_hover_text(help);
+    }
+    if suspects.is_empty() {
+        let words = if report.is_noisy() {
+            "Noise: cameras differ by as much as the noise that was measured between them; no pose and no clock stands out."
+        } else {
+            "No camera contradicts the others."
+        };
+        weak(ui, words).on_hover_text(help);
+    }
+    table_ui(ui, Table::Agreement, commands);
+    let title = "What never moves, 85 % within (a pose error shows here)";
+    residuals_ui(ui, report, title, |pair| pair.lasting, |residual| residual.most_footprints);
+    ui.add_space(space::SMALL);
+    let title = "What moves, half within (a time offset shows here alone)";
+    residuals_ui(ui, report, title, |pair| pair.moving, |residual| residual.median_footprints);
+}
+
+fn residuals_ui(
+    ui: &mut Ui,
+    report: &Report,
+    title: &str,
+    of: impl Fn(&PairResiduals) -> Option<Residual>,
+    footprints: impl Fn(&Residual) -> f32,
+) {
+    note(ui, title);
+    let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    let value = |row: usize, column: usize| Some(footprints(&of(report.residuals.get(row, column)?)?));
+    let (mut sum, mut count, mut most) = (0.0, 0, 0.0_f32);
+    for (row, column) in (0..names.len()).flat_map(|row| (0..names.len()).map(move |column| (row, column))) {
+        if let Some(value) = value(row, column) {
+            (sum, count, most) = (sum + value, count + 1, most.max(value));
+        }
+    }
+    let lightest = most.min(ABOVE_MEAN * sum / count.max(1) as f32).max(LEAST_FOOTPRINTS);
+    ui.horizontal(|ui| {
+        let end = format!("{} footprints or more", model::significant(f64::from(lightest)));
+        bar(ui, "0", &end, 90.0, sequential);
+    });
+    let order = by_weight(names.len(), |camera| {
+        (0..names.len()).filter_map(|other| value(camera, other)).fold(0.0, f32::max)
+    });
+    pairs_ui(ui, title, &names, &order, |row, column| {
+        let residual = of(report.residuals.get(row, column)?)?;
+        let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
+        Some(PairCell {
+            strength: Some((footprints(&residual) / lightest).sqrt().min(1.0)),
+            text: format!("{:.2}", footprints(&residual)),
+            help: format!(
+                "'{}' against '{}': 85 % of {} within {most_footprints:.3} footprints, half within \
+                 {median_footprints:.3}; half of their colors within {median_color_steps:.1} steps",
+                names[row],
+                names[column],
+                model::count_of(samples, "sample"),
+            ),
+        })
+    });
+}
+
+/// What is shown of a pair.
+pub(crate) struct PairCell {
+    /// 0 to 1: the lighter the larger; `None` leaves the cell dark.
+    pub(crate) strength: Option<f32>,
+    /// Shown where there is room for it, and where the cell is not dark.
+    pub(crate) text: String,
+    /// Shown where the pointer rests.
+    pub(crate) help: String,
+}
+
+const NAME_WIDTH: f32 = 78.0;
+const HEADER_HEIGHT: f32 = 18.0;
+
+/// Sides of a cell, points: from where its pairs can be told apart to where its number has room.
+const CELL: std::ops::RangeInclusive<f32> = 9.0..=44.0;
+
+/// Largest height of a row.
+const ROW: f32 = 24.0;
+
+/// Height beyond which the square is scrolled by itself, where the view is not taller.
+const TALLEST: f32 = 460.0;
+
+/// Height of a tall view that is left for what stands above and below the square.
+const AROUND: f32 = 110.0;
+
+/// How many times as large as usual cells become at most, where there is room for it.
+const GROWN: f32 = 4.0;
+
+/// Cameras up to which the square keeps the capture's order.
+const FEW: usize = 8;
+
+/// Cameras in the order of the square: that of the capture while they are few, else by what matters, most first.
+pub(crate) fn by_weight(cameras: usize, weight: impl Fn(usize) -> f32) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..cameras).collect();
+    if cameras > FEW {
+        let weights: Vec<f32> = order.iter().map(|camera| weight(*camera)).collect();
+        order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
+    }
+    order
+}
+
+/// Size of a cell, and how many times as large as usual the square is drawn, in so much room.
+fn cell_size(room: egui::Vec2, cameras: usize) -> (egui::Vec2, f32) {
+    let cameras = cameras as f32;
+    let width = (room.x - NAME_WIDTH) / cameras;
+    let usual = vec2(width.clamp(*CELL.start(), *CELL.end()), width.clamp(12.0, ROW));
+    let whole = vec2(NAME_WIDTH + CELL.end() * cameras, HEADER_HEIGHT + ROW * cameras);
+    let grown = (room / whole).min_elem().clamp(1.0, GROWN);
+    (usual * grown, grown)
+}
+
+/// The cells of all pairs of cameras, `order` being their indices; `cell` is given those of row and column.
+pub(crate) fn pairs_ui(
+    ui: &mut Ui,
+    id: &str,
+    names: &[&str],
+    order: &[usize],
+    cell: impl Fn(usize, usize) -> Option<PairCell>,
+) {
+    let cameras = order.len();
+    if cameras == 0 {
+        return;
+    }
+    // What is in view: the view itself is scrolled, and has no end.
+    let tallest = (ui.clip_rect().height() - AROUND).max(TALLEST);
+    let (step, grown) = cell_size(vec2(ui.available_width(), ui.clip_rect().height() - AROUND), cameras);
+    let corner = vec2(NAME_WIDTH, HEADER_HEIGHT) * vec2(grown, 1.0);
+    let size = corner + step * cameras as f32;
+    let scroll = ScrollArea::both().id_salt(id).max_height(tallest).auto_shrink([false, true]);
+    scroll.show_viewport(ui, |ui, viewport| {
+        let (area, response) = ui.allocate_exact_size(size, Sense::hover());
+        let seen = Rect::from_min_size(area.min + viewport.min.to_vec2(), viewport.size()).intersect(area);
+        let cells = Rect::from_min_max(seen.min + corner, seen.max);
+        let grid = PairGrid { names, order, corner: area.min + corner, cell: step, grown };
+        let painter = ui.painter().with_clip_rect(cells.intersect(ui.clip_rect()));
+        for row in grid.rows(cells) {
+            for column in grid.columns(cells) {
+                grid.cell(&painter, row, column, cell(order[row], order[column]), Tokens::in_ui(ui));
+            }
+        }
+        grid.names_ui(ui, seen, cells);
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(
+                egui::Role::Image,
+                true,
+                format!("Matrix of {}", counted(cameras, "camera")),
+            )
+        });
+        let pointed = response.hover_pos().filter(|at| cells.contains(*at)).and_then(|at| {
+            let place = (at - grid.corner) / grid.cell;
+            let [row, column] = [place.y, place.x].map(|place| (place as usize).min(cameras - 1));
+            cell(order[row], order[column])
+        });
+        if let Some(pointed) = pointed {
+            response.on_hover_text_at_pointer(pointed.help);
+        }
+    });
+}
+
+struct PairGrid<'a> {
+    names: &'a [&'a str],
+    order: &'a [usize],
+    /// Of the first cell.
+    corner: egui::Pos2,
+    cell: egui::Vec2,
+    /// How many times as large as usual it is drawn.
+    grown: f32,
+}
+
+impl PairGrid<'_> {
+    fn rows(&self, seen: Rect) -> std::ops::Range<usize> {
+        self.between(seen.top() - self.corner.y, seen.bottom() - self.corner.y, self.cell.y)
+    }
+
+    fn columns(&self, seen: Rect) -> std::ops::Range<usize> {
+        self.between(seen.left() - self.corner.x, seen.right() - self.corner.x, self.cell.x)
+    }
+
+    fn between(&self, from: f32, to: f32, step: f32) -> std::ops::Range<usize> {
+        let last = (to / step).ceil().max(0.0) as usize;
+        ((from / step).max(0.0) as usize)..last.min(self.order.len())
+    }
+
+    fn cell(&self, painter: &Painter, row: usize, column: usize, cell: Option<PairCell>, tokens: &Tokens) {
+        let corner = self.corner + vec2(self.cell.x * column as f32, self.cell.y * row as f32);
+        let gap = if self.cell.x > 14.0 { 1.0 } else { 0.5 };
+        let rect = Rect::from_min_size(corner, self.cell).shrink(gap);
+        let strength = cell.as_ref().and_then(|cell| cell.strength);
+        painter.rect_filled(rect, 2.0, strength.map_or(tokens.background, sequential));
+        if let (Some(cell), Some(strength)) = (cell, strength.filter(|_| self.cell.x >= 40.0)) {
+            // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
+            let color = if strength > 0.55 { Color32::BLACK } else { Color32::WHITE };
+            let font = FontId::proportional((10.0 * self.grown).min(16.0));
+            painter.text(rect.center(), Align2::CENTER_CENTER, cell.text, font, color);
+        }
+    }
+
+    /// Names at the left end and signs above, of what is in view.
+    fn names_ui(&self, ui: &Ui, seen: Rect, cells: Rect) {
+        let tokens = Tokens::in_ui(ui);
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let left = Rect::from_min_max(pos2(seen.left(), cells.top()), pos2(cells.left(), seen.bottom()));
+        let painter = ui.painter().with_clip_rect(left.intersect(ui.clip_rect()));
+        for row in self.rows(cells) {
+            let camera = self.order[row];
+            let at = pos2(seen.left(), self.corner.y + self.cell.y * (row as f32 + 0.5));
+            camera_cues::sign(&painter, Rect::from_center_size(at + vec2(5.0, 0.0), vec2(9.0, 9.0)), camera);
+            let name = short(self.names.get(camera).unwrap_or(&""), (11.0 * self.grown) as usize);
+            painter.text(at + vec2(14.0, 0.0), Align2::LEFT_CENTER, name, font.clone(), tokens.text);
+        }
+        let top = Rect::from_min_max(pos2(cells.left(), seen.top()), pos2(seen.right(), cells.top()));
+        let painter = ui.painter().with_clip_rect(top.intersect(ui.clip_rect()));
+        for column in self.columns(cells) {
+            let at = pos2(self.corner.x + self.cell.x * (column as f32 + 0.5), seen.top() + 8.0);
+            let side = vec2(9.0, 9.0).min(egui::Vec2::splat(self.cell.x - 1.0));
+            camera_cues::sign(&painter, Rect::from_center_size(at, side), self.order[column]);
+        }
+    }
+}
+
+/// The first characters of a name, and whether there are more.
+pub(crate) fn short(name: &str, length: usize) -> String {
+    if name.chars().count() <= length {
+        return name.to_owned();
+    }
+    let mut text: String = name.chars().take(length - 1).collect();
+    text.push('…');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_cameras_keep_their_order_and_many_are_sorted_by_what_matters() {
+        let weight = |camera: usize| camera as f32;
+        assert_eq!(by_weight(3, weight), [0, 1, 2]);
+        assert_eq!(by_weight(10, weight), [9, 8, 7, 6, 5, 4, 3, 2, 1, 0]);
+    }
+
+    #[test]
+    fn a_square_grows_with_the_room_for_all_of_it_and_never_shrinks_below_its_usual_size() {
+        let usual = cell_size(vec2(298.0, 500.0), 5);
+        assert_eq!(usual, (vec2(44.0, 24.0), 1.0));
+        assert_eq!(cell_size(vec2(2000.0, 100.0), 5), usual, "a low view has no room for more");
+        let (cell, grown) = cell_size(vec2(900.0, 420.0), 5);
+        assert!(grown > 2.0 && cell == vec2(44.0, 24.0) * grown, "{cell} {grown}");
+        assert!(NAME_WIDTH * grown + cell.x * 5.0 <= 900.0 && HEADER_HEIGHT + cell.y * 5.0 <= 420.0);
+        assert_eq!(cell_size(vec2(9000.0, 9000.0), 2).1, GROWN);
+        assert_eq!(cell_size(vec2(900.0, 900.0), 300), (vec2(9.0, 12.0), 1.0));
+    }
+
+    #[test]
+    fn of_a_large_square_only_what_is_in_view_is_drawn() {
+        let order: Vec<usize> = (0..300).collect();
+        let (corner, cell) = (pos2(0.0, 0.0), vec2(10.0, 12.0));
+        let grid = PairGrid { names: &[], order: &order, corner, cell, grown: 1.0 };
+        let seen = Rect::from_min_size(pos2(100.0, 240.0), vec2(200.0, 120.0));
+        assert_eq!((grid.columns(seen), grid.rows(seen)), (10..30, 20..30));
+        let beyond = Rect::from_min_size(pos2(2900.0, 3500.0), vec2(400.0, 400.0));
+        assert_eq!((grid.columns(beyond), grid.rows(beyond)), (290..300, 291..300));
+    }
+}

@@ -1,0 +1,227 @@
+//! What the colors of a picture mean, in the words of the window, as a figure shows it below the picture.
+
+use std::collections::BTreeMap;
+
+use egui::Color32;
+
+use crate::app::camera_cues;
+use crate::app::colormap::{diverging, sequential};
+use crate::app::model::look::Unit;
+use crate::app::model::percent;
+use crate::app::model::picture::{
+    ColorBy, HoleDisplay, Legend, LiveKey, Overlay, RATIO_RANGE, VIEW_DEPENDENCE_RANGE, ranked,
+};
+use crate::app::rooms::compare::state::{CLASSES, CompareMeasure, ComparisonFigure, ShownSides};
+use crate::app::theme::Tokens;
+use overlook_engine::capture::Camera;
+use overlook_engine::preprocess::agreement::SampleAgreement;
+use overlook_engine::render::{NO_IMAGE, Picture};
+use overlook_lab::chart::{ColorBar, LegendEntry};
+
+/// Colors of a bar.
+const STEPS: usize = 128;
+
+/// What is said of fills that are dimmed.
+const DIMMED: &str = "Blurred and dark: not seen by any camera, and far from what was.";
+
+/// What is written below a picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Meaning {
+    pub(crate) legend: Vec<LegendEntry>,
+    pub(crate) color_bar: Option<ColorBar>,
+}
+
+/// Of a source picture.
+pub(crate) fn of_source(
+    overlay: Overlay,
+    legend: &Legend,
+    cameras: &[Camera],
+    dark: bool,
+    unit: Unit,
+) -> Meaning {
+    let tokens = Tokens::of(dark);
+    let no_depth = |invalid: u64, total: u64| {
+        (invalid > 0).then(|| entry(tokens.invalid, format!("no depth {}", percent(invalid, total))))
+    };
+    let shares = |names: [(Color32, &str); 3], counts: [u64; 3], invalid: u64, total: u64| {
+        let named = names.into_iter().zip(counts);
+        let named =
+            named.map(|((color, name), count)| entry(color, format!("{name} {}", percent(count, total))));
+        Meaning { legend: named.chain(no_depth(invalid, total)).collect(), color_bar: None }
+    };
+    match legend {
+        Legend::Plain if overlay == Overlay::Normals => Meaning {
+            legend: vec![words("Red, green and blue: the normal's x, y and z in world space.")],
+            color_bar: None,
+        },
+        Legend::Plain => Meaning::default(),
+        Legend::Depth { near, far, without } => {
+            let end = |name: &str, depth: f32| format!("{name}, {}", unit.length(f64::from(depth)));
+            let invalid =
+                (*without > 0.0).then(|| entry(tokens.invalid, format!("no depth {:.1} %", 100.0 * without)));
+            Meaning {
+                legend: invalid.into_iter().collect(),
+                color_bar: Some(bar([&end("far", *far), "", &end("near", *near)], sequential)),
+            }
+        }
+        Legend::Ratio => {
+            Meaning { legend: Vec::new(), color_bar: Some(ratio("this camera denser", "other denser")) }
+        }
+        Legend::Tiles(_) => {
+            Meaning { legend: Vec::new(), color_bar: Some(bar(["all pruned", "", "all kept"], sequential)) }
+        }
+        Legend::Split { background, lasting, foreground, invalid } => {
+            let total = background + lasting + foreground + invalid;
+            shares(spans(tokens), [*background, *lasting, *foreground], *invalid, total)
+        }
+        Legend::Agreement { confirmed, contradicted, alone, invalid } => {
+            let total = confirmed + contradicted + alone + invalid;
+            shares(agreements(tokens), [*confirmed, *contradicted, *alone], *invalid, total)
+        }
+        Legend::ViewDependence { visible, alike, unknown } => {
+            let total = visible + alike + unknown;
+            let shares = format!(
+                "Differs noticeably: {}; seen by one camera, dimmed: {}.",
+                percent(*visible, total),
+                percent(*unknown, total)
+            );
+            let high = format!("{VIEW_DEPENDENCE_RANGE:.0} of 255");
+            Meaning { legend: vec![words(&shares)], color_bar: Some(bar(["0", "", &high], sequential)) }
+        }
+        Legend::Winners { kept, lost_to, dropped, invalid } => {
+            let total = kept + dropped + invalid + lost_to.iter().sum::<u64>();
+            let mut legend = vec![words(&format!("kept {} (own colors)", percent(*kept, total)))];
+            let (ranked, named) = ranked(lost_to);
+            for camera in &ranked[..named] {
+                let name = cameras.get(*camera).map_or("", |camera| camera.name.as_str());
+                let text = format!("{name} {}", percent(lost_to[*camera], total));
+                legend.push(entry(camera_cues::color(*camera), text));
+            }
+            let others: u64 = ranked[named..].iter().map(|camera| lost_to[*camera]).sum();
+            if others > 0 {
+                legend.push(entry(tokens.text_weak, format!("others {}", percent(others, total))));
+            }
+            if *dropped > 0 {
+                legend
+                    .push(entry(tokens.hole, format!("contradicted or mixed {}", percent(*dropped, total))));
+            }
+            legend.extend(no_depth(*invalid, total));
+            Meaning { legend, color_bar: None }
+        }
+    }
+}
+
+/// Of a picture of the live view.
+pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
+    let tokens = Tokens::of(key.dark);
+    match key.color_by {
+        ColorBy::Picture if key.holes == HoleDisplay::Dimmed && has_fills(rendered) => {
+            Meaning { legend: vec![words(DIMMED)], color_bar: None }
+        }
+        ColorBy::Picture => Meaning::default(),
+        ColorBy::Camera => {
+            let mut pixels: BTreeMap<u32, u64> = BTreeMap::new();
+            for image in rendered.image.as_slice().iter().filter(|image| **image != NO_IMAGE) {
+                *pixels.entry(key.samples.images[*image as usize].camera).or_default() += 1;
+            }
+            let total = rendered.image.len() as u64;
+            let shown = pixels.into_iter().map(|(camera, count)| {
+                let name = &key.samples.cameras[camera as usize].name;
+                entry(camera_cues::color(camera as usize), format!("{name} {}", percent(count, total)))
+            });
+            Meaning { legend: shown.collect(), color_bar: None }
+        }
+        ColorBy::Agreement => {
+            let found = agreements(tokens).map(|(color, name)| entry(color, name.to_owned()));
+            Meaning { legend: found.to_vec(), color_bar: None }
+        }
+        ColorBy::Span => {
+            let spans = spans(tokens).map(|(color, name)| entry(color, name.to_owned()));
+            Meaning { legend: spans.to_vec(), color_bar: None }
+        }
+        ColorBy::Value => {
+            let found = key.display.values.channel_of(&key.samples.values);
+            let colored =
+                found.and_then(|(_, channel)| Some((channel, key.display.values.colors(channel).ok()?)));
+            let bar_of = colored.map(|(channel, colors)| ColorBar::of_values(channel, &colors));
+            Meaning { legend: Vec::new(), color_bar: bar_of }
+        }
+        ColorBy::SamplingRate => {
+            Meaning { legend: Vec::new(), color_bar: Some(ratio("denser than pixels", "coarser")) }
+        }
+    }
+}
+
+/// Of a comparison: what both sides are called, and of a map of their difference what its colors mean.
+pub(crate) fn of_comparison(compared: &ComparisonFigure) -> Meaning {
+    let [left, right] = &compared.names;
+    let named = |text: &str| Meaning { legend: vec![words(text)], color_bar: None };
+    match compared.shown() {
+        ShownSides::One(side @ (0 | 1)) => named(&compared.names[side]),
+        ShownSides::One(_) => {
+            let mut meaning = named(&format!("Difference of {left} and {right}"));
+            let [low, high] = compared.measure.ends(compared.range);
+            if compared.measure == CompareMeasure::Class {
+                let classes = CLASSES
+                    .map(|(class, name)| LegendEntry { color: Some(class.color()), name: name.to_owned() });
+                meaning.legend.extend(classes);
+                meaning.legend.push(words(&format!("full color: {high}")));
+            } else {
+                meaning.color_bar = Some(bar([&low, "", &high], |position| compared.measure.color(position)));
+            }
+            meaning.legend.push(entry(Tokens::of(compared.dark).raised, "no sample on one side".to_owned()));
+            meaning
+        }
+        ShownSides::Wiped(_) | ShownSides::Beside => {
+            let sides = [format!("Left: {left}"), format!("Right: {right}")];
+            Meaning { legend: sides.iter().map(|side| words(side)).collect(), color_bar: None }
+        }
+    }
+}
+
+/// Whether some pixel shows a surface that no sample reached.
+fn has_fills(rendered: &Picture) -> bool {
+    let mut pixels = rendered.image.as_slice().iter().zip(rendered.inverse_depth.as_slice());
+    pixels.any(|(image, inverse_depth)| *image == NO_IMAGE && *inverse_depth > 0.0)
+}
+
+fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
+    [
+        (tokens.static_over_time, "stored for all frames"),
+        (tokens.lasting, "for several"),
+        (tokens.moving, "for this frame"),
+    ]
+}
+
+fn agreements(tokens: &Tokens) -> [(Color32, &'static str); 3] {
+    [
+        (SampleAgreement::Confirmed, "confirmed by another camera"),
+        (SampleAgreement::Contradicted, "contradicted"),
+        (SampleAgreement::Alone, "neither"),
+    ]
+    .map(|(found, name)| (tokens.of_agreement(found), name))
+}
+
+fn ratio(low: &str, high: &str) -> ColorBar {
+    let end = 2.0_f32.powf(RATIO_RANGE);
+    let [low, high] = [format!("r = 1/{end:.0}, {low}"), format!("{high}, r = {end:.0}")];
+    bar([&low, "r = 1", &high], |position| diverging(2.0 * position - 1.0))
+}
+
+fn bar(ends: [&str; 3], color: impl Fn(f32) -> Color32) -> ColorBar {
+    let colors = (0..STEPS).map(|step| rgb(color((step as f32 + 0.5) / STEPS as f32)));
+    let ticks = [0.0, 0.5, 1.0].into_iter().zip(ends.map(str::to_owned));
+    ColorBar { title: String::new(), colors: colors.collect(), ticks: ticks.collect() }
+}
+
+fn entry(color: Color32, name: String) -> LegendEntry {
+    LegendEntry { color: Some(rgb(color)), name }
+}
+
+fn words(text: &str) -> LegendEntry {
+    LegendEntry { color: None, name: text.to_owned() }
+}
+
+fn rgb(color: Color32) -> [u8; 3] {
+    [color.r(), color.g(), color.b()]
+}
