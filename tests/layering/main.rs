@@ -9,7 +9,7 @@ mod private_words;
 mod sightings;
 mod words;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use imports::Imports;
@@ -433,6 +433,36 @@ fn the_files_that_the_architecture_names_exist() {
         assert!(exists, "ARCHITECTURE.md names `{word}`");
     }
     assert!(found > 80, "{found} paths");
+}
+
+/// Folders that ARCHITECTURE.md has to name: those of a crate, those in them, and the rooms of the window.
+fn told_folders() -> BTreeSet<String> {
+    let mut folders = BTreeSet::new();
+    for (name, _) in sources() {
+        let parts: Vec<&str> = name.split('/').collect();
+        let (parts, _) = parts.split_at(parts.len() - 1);
+        let depth = if parts.starts_with(&["desk", "app", "rooms"]) { 4 } else { 3 };
+        if parts[0] != "python" && !parts.contains(&"tests") {
+            folders.extend((2..=parts.len().min(depth)).map(|end| format!("{}/", parts[..end].join("/"))));
+        }
+    }
+    folders
+}
+
+#[test]
+fn the_architecture_has_a_line_for_every_folder() {
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("ARCHITECTURE.md")).unwrap();
+    let folders = told_folders();
+    assert!(folders.len() > 60, "{folders:?}");
+    let untold: Vec<&String> =
+        folders.iter().filter(|folder| !text.contains(&format!("`{folder}`"))).collect();
+    assert!(untold.is_empty(), "ARCHITECTURE.md does not name {untold:?}");
+    assert!(
+        text.len() <= 30_000,
+        "ARCHITECTURE.md has {} bytes; a page that is read whole has 30,000",
+        text.len()
+    );
 }
 
 #[test]
