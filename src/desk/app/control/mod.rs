@@ -14,7 +14,7 @@ use crate::app::dock::Dock;
 use crate::app::model::command::{FileCommand, Opening, WindowCommand};
 use crate::app::model::purpose::TypedPath;
 use crate::app::model::window::{DockView, NoticeKind, Workspace};
-use crate::app::model::{Busy, Command, Message, State, StoppableWork, Stopwatch};
+use crate::app::model::{Busy, Command, Message, State, Stopwatch, WorkKind};
 use crate::app::pace::LeastPeriod;
 use crate::app::rooms::files::remembered::Memory;
 use crate::app::rooms::timeline::TimeCommand;
@@ -268,30 +268,14 @@ impl OverlookApp {
     }
 
     pub(crate) fn watch_work(&mut self) {
-        let workers = &self.workers;
-        let watched = [
-            (StoppableWork::Open, workers.open.progress(), true),
-            (StoppableWork::Whole, workers.whole.worker.progress(), true),
-            (StoppableWork::File, workers.file.progress(), true),
-            (StoppableWork::Export, workers.export.progress(), true),
-            (StoppableWork::Study, workers.study.progress(), true),
-            // Only if the capture is read again, which takes long.
-            (
-                StoppableWork::Compare,
-                workers.compare.worker.progress().filter(|progress| progress.total > 0),
-                true,
-            ),
-            (StoppableWork::Measure, workers.measure.worker.progress(), false),
-        ];
-        self.state.busy = watched
-            .into_iter()
-            .filter_map(|(work, progress, cancellable)| {
-                let progress = progress?;
-                let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
-                let secs_left = secs_left(work, &progress, began.elapsed());
-                Some(Busy { work, progress, cancellable, secs_left })
-            })
-            .collect();
+        let busy = self.workers.watched().into_iter().filter_map(|(work, progress)| {
+            // Comparing takes long only if the capture is read again.
+            let progress = progress.filter(|progress| work != WorkKind::Compare || progress.total > 0)?;
+            let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
+            let secs_left = secs_left(work, &progress, began.elapsed());
+            Some(Busy { work, progress, cancellable: work != WorkKind::MeasureAccuracy, secs_left })
+        });
+        self.state.busy = busy.collect();
         let busy = &self.state.busy;
         self.stages.retain(|stage, _| busy.iter().any(|busy| busy.progress.stage == *stage));
         if !self.state.busy.is_empty() {
@@ -309,13 +293,13 @@ impl OverlookApp {
 
 /// How long the rest takes at the pace so far; `None` while too little is done to estimate it.
 pub(crate) fn secs_left(
-    work: StoppableWork,
+    work: WorkKind,
     progress: &overlook_engine::job::Progress,
     elapsed: Duration,
 ) -> Option<f32> {
     let share = progress.fraction();
     // A study is a row of stages; the progress is that of one of them.
-    (work != StoppableWork::Study && share > 0.02 && elapsed > Duration::from_millis(500))
+    (work != WorkKind::Study && share > 0.02 && elapsed > Duration::from_millis(500))
         .then(|| elapsed.as_secs_f32() * (1.0 - share) / share)
 }
 

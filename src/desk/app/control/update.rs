@@ -9,7 +9,7 @@ use crate::app::model::command::{FileCommand, PixelCommand, WindowCommand};
 use crate::app::model::purpose::{Table, TableForm};
 use crate::app::model::window::{DockView, NoticeKind, NoticeLink};
 use crate::app::model::{
-    self, Accuracy, Command, Message, ShownPicture, StoppableWork, Texture, Whole, WorkKind, method_of,
+    self, Accuracy, Command, Message, ShownPicture, Texture, Whole, WorkKind, method_of,
 };
 use crate::app::rooms::report::table_text;
 use crate::app::rooms::share::state::{SharePreview, ShownPreview};
@@ -74,20 +74,21 @@ impl OverlookApp {
         let Some(work) = self.state.busy.first().map(|busy| busy.work) else { return };
         let workers = &self.workers;
         match work {
-            StoppableWork::Open => workers.open.cancel(),
-            StoppableWork::Whole => {
+            WorkKind::Open => workers.open.cancel(),
+            WorkKind::Prune => {
                 workers.whole.stop();
                 self.state.doc.stopped |= !self.state.is_whole_ready();
             }
-            StoppableWork::File => workers.file.cancel(),
-            StoppableWork::Export => workers.export.cancel(),
-            StoppableWork::Study => workers.study.cancel(),
-            StoppableWork::Compare => {
+            WorkKind::File => workers.file.cancel(),
+            WorkKind::Export => workers.export.cancel(),
+            WorkKind::Study => workers.study.cancel(),
+            WorkKind::Compare => {
                 workers.compare.worker.cancel();
                 let text = "It was stopped; choose what to compare again.";
                 self.state.doc.compare_error = Some(text.to_owned());
             }
-            StoppableWork::Measure => workers.measure.worker.cancel(),
+            WorkKind::MeasureAccuracy => workers.measure.worker.cancel(),
+            _ => {}
         }
         self.refresh_busy();
     }

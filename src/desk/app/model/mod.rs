@@ -29,7 +29,7 @@ pub(crate) use crate::app::model::scene::{
     Accuracy, CameraMemory, Content, Inspected, Method, OpenScene, SceneSource, Whole, median_depth,
     method_of, pivot_of_store,
 };
-pub(crate) use crate::app::model::state::{Busy, Document, SIDES, ShownPicture, State, StoppableWork};
+pub(crate) use crate::app::model::state::{Busy, Document, SIDES, ShownPicture, State};
 pub(crate) use command::{Command, Commands};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use message::Message;

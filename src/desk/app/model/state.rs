@@ -23,6 +23,7 @@ use crate::app::model::undo::History;
 use crate::app::model::window::{
     CommandPalette, DockView, HelpPage, LogLine, Notice, NoticeKind, WindowLook,
 };
+use crate::app::model::work_kind::WorkKind;
 use crate::app::rooms::charts::state::Charts;
 use crate::app::rooms::compare::state::{CompareLook, PictureFolder, ShownComparison};
 use crate::app::rooms::edits::state::SceneEdits;
@@ -47,22 +48,10 @@ use overlook_engine::settings::{Fill, Settings};
 /// Columns or rows that exported pictures can have.
 pub(crate) const SIDES: std::ops::RangeInclusive<u32> = 2..=16_384;
 
-/// Work that can be stopped, by the worker that does it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum StoppableWork {
-    Open,
-    Whole,
-    File,
-    Export,
-    Study,
-    Compare,
-    Measure,
-}
-
 /// Work that takes long enough to be watched.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Busy {
-    pub work: StoppableWork,
+    pub work: WorkKind,
     pub progress: Progress,
     /// Whether cancelling it leaves something to be rerun.
     pub cancellable: bool,

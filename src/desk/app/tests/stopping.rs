@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::command::{ChartCommand, PathCommand, PixelCommand};
 use crate::app::model::purpose::Purpose;
-use crate::app::model::{Command, StoppableWork};
+use crate::app::model::{Command, WorkKind};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::report::ui::figures;
@@ -42,7 +42,7 @@ fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() 
     }
     app.take_path(Purpose::ExportPictures, folder.path().join("pictures"));
     app.watch_work();
-    assert_eq!(app.state.busy[0].work, StoppableWork::Export);
+    assert_eq!(app.state.busy[0].work, WorkKind::Export);
     app.apply(Command::Cancel);
     assert!(app.state.doc.charts.studying, "the sweep stands behind it in the line");
     wait(&mut app, "a word about the export", |app| has_notice(app, "Export stopped: Only the pictures"));

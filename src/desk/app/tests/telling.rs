@@ -10,7 +10,7 @@ use crate::app::control::{OverlookApp, secs_left};
 use crate::app::dock::Dock;
 use crate::app::model::command::{FileCommand, Opening, SettingsCommand, ViewCommand};
 use crate::app::model::window::{DockView, NoticeLink};
-use crate::app::model::{Busy, Command, Message, OpenScene, State, StoppableWork};
+use crate::app::model::{Busy, Command, Message, OpenScene, State, WorkKind};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::files;
 use crate::app::rooms::pixel::pending_verdict;
@@ -83,8 +83,8 @@ fn a_capture_whose_up_was_taken_from_the_cameras_asks_once_and_takes_again_what_
 #[test]
 fn the_time_left_of_a_sweep_is_that_of_all_of_it() {
     let long = Duration::from_secs(10);
-    assert!(secs_left(StoppableWork::Whole, &scoring(), long).is_some());
-    assert_eq!(secs_left(StoppableWork::Study, &scoring(), long), None);
+    assert!(secs_left(WorkKind::Prune, &scoring(), long).is_some());
+    assert_eq!(secs_left(WorkKind::Study, &scoring(), long), None);
 }
 
 #[test]
@@ -94,12 +94,8 @@ fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() 
     {
         let mut state = State::default();
         state.doc.charts.begin(study, &Settings::default());
-        state.busy = vec![Busy {
-            work: StoppableWork::Study,
-            progress: scoring(),
-            cancellable: true,
-            secs_left: None,
-        }];
+        state.busy =
+            vec![Busy { work: WorkKind::Study, progress: scoring(), cancellable: true, secs_left: None }];
         let mut dock = Dock::new();
         assert!(says(line, |ui| window_ui(ui, &state, &mut dock, &mut Vec::new())));
     }

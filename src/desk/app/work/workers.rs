@@ -33,7 +33,7 @@ use crate::app::work::requests::{ExportRequest, FileRequest, OpenRequest, StudyR
 use crate::app::work::shown_samples::CameraFilter;
 use crate::app::work::worker::{AnySlot, Outbox, Slot, Worker};
 use overlook_engine::error::{Error, Result};
-use overlook_engine::job::Job;
+use overlook_engine::job::{Job, Progress};
 use overlook_engine::render::gpu::SharedDevice;
 use overlook_engine::render::{PictureCarrier, Renderer};
 
@@ -225,11 +225,21 @@ impl Workers {
     /// Whether nothing runs or waits, and nothing is missing. An open dialog waits for the person.
     pub(crate) fn are_at_rest(&self, state: &State) -> bool {
         self.slots().into_iter().all(|slot| slot.is_at_rest(state))
-            && self.open.is_idle()
-            && self.file.is_idle()
+            && self.watched().into_iter().all(|(_, progress)| progress.is_none())
             && self.check.is_idle()
-            && self.export.is_idle()
-            && self.study.is_idle()
+    }
+
+    /// Work that takes long enough to be watched, and its progress while it runs.
+    pub(crate) fn watched(&self) -> [(Kind, Option<Progress>); 7] {
+        [
+            (Kind::Open, self.open.progress()),
+            (Kind::Prune, self.whole.worker.progress()),
+            (Kind::File, self.file.progress()),
+            (Kind::Export, self.export.progress()),
+            (Kind::Study, self.study.progress()),
+            (Kind::Compare, self.compare.worker.progress()),
+            (Kind::MeasureAccuracy, self.measure.worker.progress()),
+        ]
     }
 }
 

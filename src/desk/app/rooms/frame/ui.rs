@@ -16,7 +16,7 @@ use crate::app::model::ways_out::ShareCommand;
 use crate::app::model::window::{
     Area, CommandPalette, DockView, HelpPage, Notice, NoticeKind, NoticeLink, Workspace,
 };
-use crate::app::model::{self, Busy, Command, Commands, SceneSource, State, StoppableWork};
+use crate::app::model::{self, Busy, Command, Commands, SceneSource, State, WorkKind};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, empty_ui, icon_button, note, segments_ui, weak, width_of_segments};
 use overlook_engine::demo::SCENES;
@@ -304,7 +304,7 @@ fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
     let tokens = Tokens::in_ui(ui);
     let progress = &busy.progress;
     let stage = stage_words(state, &progress.stage);
-    let study = state.doc.charts.under_way().filter(|_| busy.work == StoppableWork::Study);
+    let study = state.doc.charts.under_way().filter(|_| busy.work == WorkKind::Study);
     let whole = match study {
         Some(study) if progress.context.is_empty() => study.name().to_owned(),
         Some(study) => format!("{}: {}", study.name(), progress.context),

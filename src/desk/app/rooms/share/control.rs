@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use crate::app::control::OverlookApp;
 use crate::app::model;
+use crate::app::model::WorkKind;
 use crate::app::model::command::{ExportTarget, Exported};
 use crate::app::model::purpose::{FigureOf, FigureOptions, Purpose};
 use crate::app::model::ways_out::ShareCommand;
 use crate::app::model::window::{DockView, NoticeKind, and_others};
-use crate::app::model::{StoppableWork, WorkKind};
 use crate::app::rooms::files::paths::{no_figure, no_scene};
 use crate::app::rooms::share::state::ShareOutcome;
 use crate::app::work::{Export, ExportRequest, FigureExport, PathExport};
@@ -50,7 +50,7 @@ impl OverlookApp {
             ShareCommand::CopyPicture(FigureOf::Live) => self.copy_picture(),
             ShareCommand::CopyPicture(of) => self.copy_view_as(of, Export::CopyPicture),
             ShareCommand::Stop => {
-                let is_export = |busy: &model::Busy| busy.work == StoppableWork::Export;
+                let is_export = |busy: &model::Busy| busy.work == WorkKind::Export;
                 if self.state.busy.iter().any(is_export) {
                     self.workers.export.cancel();
                 } else {

@@ -7,7 +7,7 @@ use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICO
 
 use crate::app::model::command::{FileCommand, ViewCommand};
 use crate::app::model::ways_out::{ShareCommand, ShareOptions, ShareWay};
-use crate::app::model::{self, Busy, Command, Commands, State, StoppableWork};
+use crate::app::model::{self, Busy, Command, Commands, State, WorkKind};
 use crate::app::rooms::files::paths::what_is_missing;
 use crate::app::rooms::share::state::ShareOutcome;
 use crate::app::rooms::share::ui::options::options_ui;
@@ -159,7 +159,7 @@ fn preview_ui(ui: &mut Ui, state: &State) {
 
 /// The work that writes what is shared.
 fn busy_of(state: &State) -> Option<&Busy> {
-    let is_writing = |busy: &&Busy| matches!(busy.work, StoppableWork::Export | StoppableWork::File);
+    let is_writing = |busy: &&Busy| matches!(busy.work, WorkKind::Export | WorkKind::File);
     state.busy.iter().find(is_writing)
 }
 
