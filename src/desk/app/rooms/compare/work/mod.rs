@@ -48,39 +48,47 @@ impl Wanted for Box<CompareKey> {
     }
 }
 
-/// Samples made for comparisons: the last few are kept.
+/// Samples and models made for comparisons: the last few are kept.
 pub(crate) struct Comparer {
     renderer: Renderer,
-    made: Vec<(Made, Arc<SampleSet>)>,
+    made: Vec<(MadeOf, Made)>,
     /// Passes over all frames of a scene, where the window's own does not serve the settings of a side.
     scans: Vec<(u64, Arc<PreparedScan>)>,
-    /// Models of other methods.
-    rivals: Vec<(RivalKey, Arc<dyn RivalModel>)>,
     /// What these passes run on, as they take as long as the capture does.
     threads: Arc<rayon::ThreadPool>,
 }
 
-/// What samples were made from.
-#[derive(Clone, PartialEq)]
-struct Made {
+/// What a side is made of.
+#[derive(Clone)]
+enum Made {
+    Samples(Arc<SampleSet>),
+    /// The model of another method.
+    Rival(Arc<dyn RivalModel>),
+}
+
+/// How it is made.
+#[derive(PartialEq)]
+enum MadeBy {
+    /// Pruned by these settings, and whether it was known what is the same over all frames: by a scan that serves them.
+    Pruning {
+        method: Settings,
+        with_scan: bool,
+    },
+    Rival(Rival),
+}
+
+/// What it was made from.
+#[derive(PartialEq)]
+struct MadeOf {
     scene: u64,
     frame: usize,
-    method: Settings,
+    by: MadeBy,
     left_out: Option<usize>,
-    /// Whether it was known what is the same over all frames: by a scan that serves the method.
-    with_scan: bool,
     /// What the capture was corrected by; `None` before that was known.
     align: Option<AlignSettings>,
 }
 
-/// What a model of another method was made from: scene, frame, the camera left out, the method, and what the capture was corrected
-/// by.
-type RivalKey = (u64, usize, Option<usize>, Rival, Option<AlignSettings>);
-
-/// Models of other methods that are kept: one for each side, at two frames.
-const KEPT_RIVALS: usize = 4;
-
-/// Sample sets that are kept.
+/// What is kept: one for each side, at two frames.
 const KEPT: usize = 4;
 
 /// Passes over all frames that are kept: one for each side.
@@ -89,7 +97,7 @@ const KEPT_SCANS: usize = 2;
 impl Comparer {
     /// One that has made nothing yet, and reads whole captures on `threads`.
     pub(crate) fn new(threads: Arc<rayon::ThreadPool>) -> Self {
-        Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), rivals: Vec::new(), threads }
+        Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), threads }
     }
 
     /// Makes the comparison, or gives the reason against it.
@@ -145,25 +153,6 @@ impl Comparer {
         Ok([left, self.side(key, key.choice.sides[1], viewpoint, job)?])
     }
 
-    /// A method of others, made of what all cameras but a left-out one recorded.
-    fn rival(&mut self, key: &CompareKey, rival: Rival, viewpoint: &Viewpoint) -> Result<DisplayedSide> {
-        let vantage = &viewpoint.vantage;
-        let made = (key.scene.id, vantage.frame, left_out(key), rival, corrected_by(key));
-        let known = self.rivals.iter().find(|(known, _)| *known == made).map(|(_, model)| model.clone());
-        let model = if let Some(model) = known {
-            model
-        } else {
-            let seen = truth::seen_at(&cameras_left(key)?, vantage.frame)?;
-            let model: Arc<dyn RivalModel> = rival.build(&seen)?.into();
-            keep(&mut self.rivals, KEPT_RIVALS, (made, model.clone()));
-            model
-        };
-        let mut picture = model.render(&vantage.camera);
-        fill(&mut picture, &vantage.camera, &key.settings[0].render);
-        viewpoint.expose(&mut picture);
-        Ok(difference::of_picture(&picture))
-    }
-
     fn side(
         &mut self,
         key: &CompareKey,
@@ -179,9 +168,6 @@ impl Comparer {
         }
         if let CompareSide::Pictures(id) = side {
             return picture_of_folder(key, id, viewpoint);
-        }
-        if let Some(rival) = side.rival() {
-            return self.rival(key, rival, viewpoint);
         }
         let mut settings = match side {
             CompareSide::A => key.settings[1].clone(),
@@ -200,19 +186,18 @@ impl Comparer {
             CompareSide::AsClaimed => settings.align = AlignSettings::OFF,
             _ => {}
         }
-        let as_shown = method_of(&settings) == method_of(&key.settings[0]);
-        let left_out = left_out(key);
-        let shown_there = key.whole || vantage.frame == key.vantage.frame;
-        let samples = if as_shown && shown_there && left_out.is_none() {
-            key.samples.0.clone()
-        } else {
-            // The scan is of all cameras, so that it does not fit a left-out one; without pruning no span is used.
-            let frame_alone = left_out.is_some() || side == CompareSide::Everything;
-            let scan = if frame_alone { None } else { self.scan(key, &settings, job)? };
-            self.samples(key, &settings, vantage.frame, left_out, scan.as_deref(), job)?
+        let made = self.made(key, side, &settings, vantage.frame, job)?;
+        let mut picture = match made {
+            Made::Samples(samples) => {
+                self.renderer.forget_background();
+                self.renderer.render(&samples, vantage, &render, job)?.0
+            }
+            Made::Rival(model) => {
+                let mut picture = model.render(&vantage.camera);
+                fill(&mut picture, &vantage.camera, &render);
+                Arc::new(picture)
+            }
         };
-        self.renderer.forget_background();
-        let (mut picture, _) = self.renderer.render(&samples, vantage, &render, job)?;
         if side == CompareSide::Gpu
             && let Some(notice) = self.renderer.notice()
         {
@@ -241,32 +226,42 @@ impl Comparer {
         Ok(Some(scan))
     }
 
-    fn samples(
+    /// What a side is made of at a frame.
+    fn made(
         &mut self,
         key: &CompareKey,
+        side: CompareSide,
         settings: &Settings,
         frame: usize,
-        left_out: Option<usize>,
-        scan: Option<&PreparedScan>,
         job: &Job,
-    ) -> Result<Arc<SampleSet>> {
-        let capture = corrected_capture(key)?;
-        let made = Made {
-            scene: key.scene.id,
-            frame,
-            method: method_of(settings),
-            left_out,
-            with_scan: scan.is_some(),
-            align: corrected_by(key),
-        };
-        if let Some((_, samples)) = self.made.iter().find(|(known, _)| *known == made) {
-            return Ok(samples.clone());
+    ) -> Result<Made> {
+        let (left_out, rival) = (left_out(key), side.rival());
+        let as_shown = rival.is_none() && method_of(settings) == method_of(&key.settings[0]);
+        if as_shown && left_out.is_none() && (key.whole || frame == key.vantage.frame) {
+            return Ok(Made::Samples(key.samples.0.clone()));
         }
-        let others = left_out.map(|left_out| capture.with_cameras(|index, _| index != left_out));
-        let capture = others.as_ref().unwrap_or(capture);
-        let samples = preprocess::inspect_frame(capture, scan, settings, frame, job)?.samples;
-        keep(&mut self.made, KEPT, (made, samples.clone()));
-        Ok(samples)
+        // The scan is of all cameras, so that it does not fit a left-out one; without pruning no span is used.
+        let frame_alone = left_out.is_some() || rival.is_some() || side == CompareSide::Everything;
+        let scan = if frame_alone { None } else { self.scan(key, settings, job)? };
+        let by = rival.map_or_else(
+            || MadeBy::Pruning { method: method_of(settings), with_scan: scan.is_some() },
+            MadeBy::Rival,
+        );
+        let of = MadeOf { scene: key.scene.id, frame, by, left_out, align: corrected_by(key) };
+        if let Some((_, made)) = self.made.iter().find(|(known, _)| *known == of) {
+            return Ok(made.clone());
+        }
+        let others = left_out.map(|_| cameras_left(key)).transpose()?;
+        let capture = others.as_ref().map_or_else(|| corrected_capture(key), Ok)?;
+        let made = match rival {
+            Some(rival) => Made::Rival(rival.build(&truth::seen_at(capture, frame)?)?.into()),
+            None => {
+                let inspection = preprocess::inspect_frame(capture, scan.as_deref(), settings, frame, job)?;
+                Made::Samples(inspection.samples)
+            }
+        };
+        keep(&mut self.made, KEPT, (of, made.clone()));
+        Ok(made)
     }
 }
 
@@ -358,7 +353,7 @@ mod tests {
 
     /// Lengths of the spans of what was made last.
     fn lengths(comparer: &Comparer) -> Vec<usize> {
-        let (_, samples) = comparer.made.last().unwrap();
+        let (_, Made::Samples(samples)) = comparer.made.last().unwrap() else { panic!("no samples") };
         let mut lengths: Vec<usize> = samples.images.iter().map(|image| image.span.len()).collect();
         lengths.sort_unstable();
         lengths.dedup();
@@ -408,7 +403,7 @@ mod tests {
         key.choice.sides = [CompareSide::Everything, CompareSide::Kept];
         comparer.compare(&key, &Job::new()).unwrap();
         assert_eq!(lengths(&comparer), [1]);
-        let (_, samples) = comparer.made.last().unwrap();
+        let (_, Made::Samples(samples)) = comparer.made.last().unwrap() else { panic!("no samples") };
         assert_eq!(samples.sample_count(), 2 * 48 * 36);
     }
 
