@@ -47,8 +47,8 @@ pub(crate) struct SolverStage {
 }
 
 impl SolverStage {
-    /// The least standard deviation of distances, footprints. Where most of what is seen is flat, most distances stay exact while a camera
-    /// slides along it, and the few that tell would be strays: coarse stages count them.
+    /// The least standard deviation of distances, footprints. Before flat scenes most distances stay exact while a camera slides
+    /// along them. The few that tell would be strays: coarse stages count them.
     fn least_sigma(&self) -> f64 {
         if self.level > 0 { self.gate / 30.0 } else { 0.0 }
     }

@@ -75,7 +75,7 @@ pub(crate) struct State {
     pub typed_path: Option<TypedPath>,
     /// The dialog of all ways out.
     pub share: ShareDialog,
-    /// What is to be opened, while the question is whether what is lost by it may be.
+    /// What is to be opened once the question about what is lost is answered.
     pub open_after_question: Option<Opening>,
     pub dark: bool,
     pub look: WindowLook,

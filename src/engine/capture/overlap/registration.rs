@@ -119,8 +119,7 @@ impl Registration {
         (self.relative_source_side(w) * there).max(self.target.relative_side(there) * w)
     }
 
-    /// How many times as large as the source's pixel the target's is, at a point whose inverse depth is `w` in the source and whose depth in
-    /// the target, times `w`, is `depth`.
+    /// The size of the target's pixel over the source's, at a point of inverse depth `w` in the source and depth `depth / w` in the target.
     #[inline(always)]
     pub(crate) fn coarseness(&self, w: f32, depth: f32) -> f32 {
         let (target, source) = (&self.target, self.source_side);

@@ -34,7 +34,7 @@ pub struct Landing {
     pub position: DVec2,
     /// Planar depth of the point in the camera, above 0.
     pub depth: f64,
-    /// What tolerances are shares of where that is not the depth that was found: see [`Intrinsics::depth_scale`].
+    /// The length that tolerances are shares of, where that is not the depth found: see [`Intrinsics::depth_scale`].
     pub scale: Option<f64>,
 }
 

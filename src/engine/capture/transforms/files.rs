@@ -60,7 +60,7 @@ pub(crate) struct PictureFiles {
     pub uses_alpha: bool,
     /// Whether the manifest names colors of Rec.709's primaries, so that what the picture says of its own does not count.
     pub are_colors_named: bool,
-    /// Which rows of a picture that is shown turned are meant, if that is known.
+    /// Which rows are meant of a picture that is shown turned, if known.
     pub rows: Option<PictureRows>,
 }
 
@@ -212,7 +212,7 @@ impl PictureFiles {
         DepthClaim { measure, unit, near_clip: self.rules.near_clip, planes: None }
     }
 
-    /// Whether the manifest leaves open which channel depth is, what it measures and in which unit.
+    /// Whether the manifest leaves open the channel, the kind and the unit of depth.
     pub(crate) fn leaves_depth_open(&self) -> bool {
         self.depth_kind.is_none() && self.unit_scale.is_none() && !self.names_depth_channel()
     }

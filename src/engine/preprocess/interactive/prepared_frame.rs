@@ -1,6 +1,6 @@
 //! Everything at one frame that no tolerance changes: all samples on all levels with normals, footprints and packed geometry.
-//! Each time a threshold changes, these are pruned again. What is decided on one level sees nothing of the deeper ones, so that
-//! the verdicts are those of the span stack, which goes from level to level.
+//! Each time a threshold changes, these are pruned again. Decisions on one level see nothing of deeper ones: the
+//! verdicts are those of the span stack, which goes from level to level.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -36,7 +36,7 @@ pub(crate) fn is_mixed(rank: u32) -> bool {
     rank & MIXED != 0
 }
 
-/// Whether a rank is that of a sample on a surface whose normal is not known.
+/// Whether a rank is of a surface sample without a known normal.
 #[inline(always)]
 pub(crate) fn has_unknown_normal(rank: u32) -> bool {
     rank & UNKNOWN_NORMAL != 0

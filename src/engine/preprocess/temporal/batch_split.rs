@@ -143,7 +143,7 @@ impl ShortSpans {
     pub(crate) fn descend(&mut self, batch: &Batch<'_>, runs: &[FrameRun<'_>], first: usize) {
         let count = std::mem::take(&mut self.waiting_count);
         if count > 0 {
-            // What is missing is a pixel that is there already, and not looked at.
+            // Missing places repeat a pixel; its results are not looked at.
             let pixel = self.waiting[0];
             self.waiting[count..].fill(pixel);
             simd::run(Descend {

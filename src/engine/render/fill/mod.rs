@@ -96,7 +96,7 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
     let sky = environment.map(|environment| HoleSky::new(picture, target, environment, hidden_share));
     let depths = picture.inverse_depth.as_slice();
     let is_unfilled = |depth: &f32| *depth < 0.0;
-    // Where a surface is hidden, the sky is not among what the hole is filled from.
+    // Where a surface is hidden, the hole is not filled from the sky.
     let hides_surface = |depth: &f32| *depth < HOLE;
     let tolerance = SurfaceTolerance::new(target, settings);
     let any_depth = |holds: &(dyn Fn(&f32) -> bool + Sync)| depths.par_iter().with_min_len(4096).any(holds);

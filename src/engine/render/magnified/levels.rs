@@ -111,7 +111,7 @@ impl LevelMap {
 struct RecordedPixels<'a> {
     samples: &'a SampleSet,
     source_from_target: Vec<Projector>,
-    /// Whether a surface is shown by the camera that saw it best, which is what pruning leaves.
+    /// Whether each surface is shown by the camera that saw it best, as after pruning.
     is_pruned: bool,
 }
 
