@@ -235,7 +235,7 @@ impl OverlookApp {
     fn pruned(&mut self, settings: Settings, result: &Preprocessed, read_seconds: Option<f64>) {
         let state = &mut self.state;
         state.doc.read_seconds = read_seconds.or(state.doc.read_seconds);
-        // As above.
+        // Taken back meanwhile, as in `scanned`.
         if state.is_whole_ready() && method_of(&settings) != method_of(&state.settings) {
             return;
         }

@@ -102,8 +102,7 @@ impl OrbitCamera {
         Camera { name: "live view".to_owned(), intrinsics, world_from_camera: self.world_from_camera }
     }
 
-    /// The same pose with the lens of [`Self::camera`] for a picture of `width × height` pixels: views of any shape then show all of
-    /// that picture.
+    /// This pose with the lens of [`Self::camera`] for a picture of `width × height` pixels: views of any shape show all of that picture.
     pub(crate) fn framed(&self, [width, height]: [u32; 2]) -> Self {
         Self { lens: self.camera(width, height).intrinsics, ..self.clone() }
     }
@@ -187,8 +186,8 @@ impl OrbitCamera {
         self.world_from_camera.translation = point_in_world - forward * distance;
     }
 
-    /// The same, so far away that all within `radius` of the point is in view; where lines of sight are parallel, or the radius is 0, it
-    /// stays as near as it was.
+    /// Looks at the point from so far that all within `radius` of it is in view; with parallel lines of sight, or radius 0, the distance
+    /// stays.
     pub(crate) fn frame(&mut self, point_in_world: DVec3, radius: f64) {
         self.look_at(point_in_world);
         if self.lens.is_orthographic() || radius <= 0.0 {

@@ -316,7 +316,7 @@ pub(crate) enum ChartCommand {
     Study(Study),
     Axes([ShownAxis; 2]),
     Disturbance(String),
-    /// Ask what to measure and for how long; close the question by `None`.
+    /// Ask what to measure and for how long; `None` closes the question.
     Ask(Option<Study>),
     /// Choose what to measure.
     Choose(Study, Box<StudyChoice>),
@@ -486,7 +486,7 @@ pub(crate) struct EditTools {
     pub combine: Combine,
     pub depth: DrawnDepth,
     pub tool: Option<EditTool>,
-    /// Of the brush, points.
+    /// Radius of the brush, points.
     pub radius: f32,
     /// By how many footprints the selection is grown and shrunk.
     pub grow_by: f64,
@@ -524,7 +524,7 @@ pub(crate) enum EditCommand {
     /// Put another selection in the place of the one that is there.
     Reshape(Option<Region>),
     SelectNothing,
-    /// Select what was drawn in a picture, or show what that would be as long as it is being drawn.
+    /// Select what was drawn in a picture, or show the selection while it is being drawn.
     Draw {
         region: Region,
         combine: Combine,

@@ -72,14 +72,14 @@ pub(crate) struct Display {
     pub exposure: f32,
     /// Added after the exposure.
     pub offset: f32,
-    /// Of [`ToneCurve::Gamma`].
+    /// For [`ToneCurve::Gamma`].
     pub gamma: f32,
     pub curve: ToneCurve,
     pub channel: Channel,
     pub background: Background,
     /// Whether cut-off values, and values that are no numbers, are marked.
     pub marks_clipped: bool,
-    /// Of scalar values, where the live view shows them.
+    /// The look of scalar values, where the live view shows them.
     pub values: ValueLook,
 }
 

@@ -12,13 +12,13 @@ const SHARE_OF_FRAME: f64 = 0.65;
 /// A finer step is taken where its picture is expected to take at most this share of the budget.
 const COMFORTABLE: f64 = 0.75;
 
-/// The same of a step that was taken before.
+/// The share for a step that was taken before.
 const KNOWN_COMFORTABLE: f64 = 0.85;
 
-/// The same of others while time passes: the still part of the scene is painted anew for another step, so that no step is tried in vain.
+/// The share for another step while time passes: the still part of the scene is painted anew for each step that is tried.
 const COMFORTABLE_IN_TIME: f64 = 0.4;
 
-/// How much of what a step took once is forgotten with each picture of a coarser one, so that it is tried again.
+/// Each picture of a coarser step forgets this share of a step's time, so that the step is tried again.
 const FORGOTTEN: f64 = 0.015;
 
 /// A coarser step is worth its loss where it takes less than one part in this many of the time.

@@ -276,7 +276,7 @@ pub(crate) enum Legend {
     Depth { near: f32, far: f32, without: f32 },
     /// log₂ r from −[`RATIO_RANGE`] to [`RATIO_RANGE`].
     Ratio,
-    /// Pixels that each camera won, and those that were kept.
+    /// Pixels that each camera won, and kept pixels.
     Winners {
         kept: u64,
         /// Pixels lost to each camera.
@@ -288,11 +288,11 @@ pub(crate) enum Legend {
     },
     /// Pixels per class.
     Split {
-        /// The same over all frames.
+        /// Pixels that are the same over all frames.
         background: u64,
-        /// The same over several frames.
+        /// Pixels that are the same over several frames.
         lasting: u64,
-        /// Of this frame alone.
+        /// Pixels of this frame alone.
         foreground: u64,
         invalid: u64,
     },
@@ -309,7 +309,7 @@ pub(crate) enum Legend {
 const NAMED: usize = 12;
 const CROWD: usize = 16;
 
-/// Cameras by the pixels that each won, most first, without those that won none; and how many of them have a color of their own.
+/// Cameras that won pixels, most first, and how many of them have a color of their own.
 pub(crate) fn ranked(won_by: &[u64]) -> (Vec<usize>, usize) {
     let mut ranked: Vec<usize> = (0..won_by.len()).filter(|camera| won_by[*camera] > 0).collect();
     ranked.sort_by_key(|camera| std::cmp::Reverse(won_by[*camera]));

@@ -176,8 +176,8 @@ pub(crate) enum ShareCommand {
     Open(Option<ShareWay>),
     Close,
     Change(Box<ShareOptions>),
-    /// Copy a figure of a view; by `None` of the source view or the comparison where the pointer is over it or it fills the window, else
-    /// of the live view.
+    /// Copy a figure of a view. `None` is the view under the pointer or filling the window, if that is the source view or the comparison,
+    /// else the live view.
     CopyFigure(Option<FigureOf>),
     /// Copy the picture of a view as it is shown, with nothing around it.
     CopyPicture(FigureOf),

@@ -30,7 +30,7 @@ impl State {
             scene: scene.clone(),
             choice: self.inspector.compare.choice,
             vantage: shown.key.vantage.clone(),
-            // Of a store played from disk only the picture knows the samples.
+            // A store that plays from disk has its samples with the picture.
             samples: Same(shown.picture.samples.clone()),
             whole: self.current_whole().is_some_and(|whole| Arc::ptr_eq(whole, &shown.picture.samples)),
             scan: self.doc.scan.clone().map(Same),

@@ -332,7 +332,7 @@ pub(crate) enum ShownSides {
 pub(crate) struct ComparisonFigure {
     /// Left, right and their difference, of one size.
     pub images: [Arc<ColorImage>; 3],
-    /// Of the two sides.
+    /// Names of the two sides.
     pub names: [String; 2],
     pub mode: CompareMode,
     pub in_view: CompareInView,
@@ -399,9 +399,9 @@ impl ComparisonFigure {
 pub(crate) struct PictureFolder {
     /// Differs between any two folders that were ever opened.
     pub id: u64,
-    /// Of the viewpoints with true pictures, in their order; `None` where it has pictures of none.
+    /// Pictures of the viewpoints with truth, in their order; `None` without any.
     pub of_views: Option<Arc<OtherPictures>>,
-    /// Of every camera at every frame, camera by camera; `None` where it has pictures of none.
+    /// Pictures of every camera at every frame, camera by camera; `None` without any.
     pub of_cameras: Option<Arc<OtherPictures>>,
     /// Frames of each camera.
     pub frame_count: usize,

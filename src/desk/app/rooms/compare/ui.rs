@@ -234,7 +234,7 @@ fn area_of(mode: CompareMode, canvas: Rect, [from, to]: [f32; 2]) -> Rect {
     }
 }
 
-/// What is seen of pictures of `size`, of which the first is fitted into `area`; `None` where that has no room.
+/// What is seen of pictures of `size`; the first is fitted into `area`. `None` where that has no room.
 fn in_view(look: &CompareLook, size: Vec2, canvas: Rect, area: Rect, flipped: bool) -> Option<CompareInView> {
     let picture = Some(look.part.placed(size, area)).filter(Rect::is_positive)?;
     let share = |at: egui::Pos2| ((at - picture.min) / picture.size()).to_pos2();

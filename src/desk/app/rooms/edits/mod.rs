@@ -52,7 +52,7 @@ impl State {
         is_of_these.then_some(edited)
     }
 
-    /// The same, once it is of the list and the selection as they are now.
+    /// The edited scene, if it is of the list and the selection as they are now.
     pub(crate) fn edited_now(&self) -> Option<&EditedScene> {
         let (key, _) = self.doc.edits.edited.as_ref()?;
         let is_now = key.list == self.doc.edits.list && key.selection == self.doc.edits.shown_selection();

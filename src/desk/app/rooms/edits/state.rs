@@ -28,7 +28,7 @@ pub(crate) struct EditKey {
 pub(crate) struct EditedScene {
     /// What edits leave.
     pub samples: Arc<SampleSet>,
-    /// The same, with the selection in a color of its own.
+    /// These samples, with the selection in a color of its own.
     pub shown: Arc<SampleSet>,
     /// Samples before edits.
     pub before: u64,

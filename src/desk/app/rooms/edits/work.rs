@@ -137,7 +137,7 @@ impl SampleEditor {
 /// Count, mean and summed squared distance from the mean of some points.
 type Spread = (f64, DVec3, f64);
 
-/// The same of all points together (T. F. Chan et al., 1979), which loses nothing far from the origin.
+/// The spread of all points together (T. F. Chan et al., 1979), which loses nothing far from the origin.
 fn joined((count, mean, squares): Spread, (more, of_more, of_their_squares): Spread) -> Spread {
     let (all, apart) = (count + more, of_more - mean);
     if all == 0.0 {

@@ -30,12 +30,12 @@ pub(crate) struct SessionLook {
     color_by: ColorBy,
     holes: HoleDisplay,
     frames_per_second: f32,
-    /// Names of cameras: of the source view, of those that the live view leaves out, and of the only one that it shows.
+    /// Names of cameras: the source view's, those hidden in the live view, and the only one shown there.
     source_camera: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     hidden_cameras: Vec<String>,
     solo_camera: Option<String>,
-    /// Numbers of frames: those that are marked, and the first and last one that are played.
+    /// Numbers of frames: marked ones, and the first and last that are played.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     marked_frames: Vec<i64>,
     played_frames: Option<[i64; 2]>,

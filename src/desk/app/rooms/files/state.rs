@@ -223,7 +223,7 @@ pub(crate) struct RecentPicture {
 }
 
 impl RecentPicture {
-    /// Of a picture of any size.
+    /// Shrinks a picture of any size.
     pub(crate) fn new(path: &Path, picture: &ColorImage) -> Self {
         Self { path: path.to_path_buf(), image: Arc::new(smaller(picture)) }
     }

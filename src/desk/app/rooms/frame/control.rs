@@ -73,7 +73,7 @@ impl OverlookApp {
         look.maximized = None;
     }
 
-    /// Hides views that what is open has no use of, in areas that are shown as well.
+    /// Hides views without use for what is open, in shown areas as well.
     fn hide_useless_views(&mut self) {
         for (view, ..) in DockView::ALL.iter().filter(|(view, ..)| !self.state.has_use_of(*view)) {
             self.dock.show_view(*view, false);

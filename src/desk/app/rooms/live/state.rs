@@ -107,7 +107,7 @@ impl ViewHistory {
 /// The live view is at rest after this long at one vantage.
 const REST: Duration = Duration::from_millis(120);
 
-/// The same while a button is held: whoever drags may pause.
+/// As `REST`, while a button is held: whoever drags may pause.
 const REST_WHILE_HELD: Duration = Duration::from_millis(200);
 
 /// How the live view moves, and how finely it is painted meanwhile.
@@ -160,7 +160,7 @@ impl ViewMotion {
     pub(crate) fn painted(&mut self, key: &LiveKey, picture: &LivePicture, frame_rate: Option<f32>) {
         let took_ms = picture.took.as_secs_f64() * 1e3;
         match key.quality {
-            // A background that is painted anew as the quality changes is no measure for those that follow.
+            // A background that is painted anew for another quality tells nothing of the next ones.
             Some(_) if frame_rate.is_some() && !picture.stats.background_reused => {}
             Some(quality) => self.budget.moved(quality, took_ms, frame_rate),
             None => self.budget.rested(took_ms, key.per_coarse_pixel.powi(2)),

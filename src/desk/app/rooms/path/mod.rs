@@ -87,7 +87,7 @@ impl CameraPath {
         }
     }
 
-    /// Makes the path a turn around the pivot of a view, of which `played` are the first and the last frame.
+    /// Makes the path a turn around the pivot of a view, from the first to the last frame of `played`.
     pub(crate) fn turn_around(&mut self, view: &OrbitCamera, played: [usize; 2], rate: f64) {
         let Turntable { keys, seconds, .. } = self.turntable;
         let [first, last] = played.map(|frame| frame as f64);

@@ -241,7 +241,7 @@ fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, comm
                 });
             }
         });
-    // Of hundreds of cameras only those in view are drawn.
+    // Only cameras in view are drawn: there may be hundreds.
     table.body(|body| {
         body.rows(row_height, order.len(), |mut row| {
             let evidence = &explanation.evidence[order[row.index()]];
@@ -318,7 +318,7 @@ fn depth_words(row: &CameraEvidence) -> String {
     }
 }
 
-/// The same with the unit of the scene.
+/// That help with the unit of the scene.
 fn depth_help(row: &CameraEvidence, unit: Unit) -> String {
     let part = |name: &str, depth: f64| (!depth.is_nan()).then(|| format!("{name} {}", unit.length(depth)));
     let parts = [part("Expected", row.depth_expected), part("found", row.depth_found)];

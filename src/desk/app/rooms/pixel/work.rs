@@ -130,7 +130,7 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
     let explanation = key.inspection.as_ref().and_then(|inspection| explain_pixel(inspection, camera, x, y));
     let point_in_world = explanation.as_ref().map_or(seen, |explanation| explanation.point_in_world.or(seen));
     let samples = match &key.scene.content {
-        // Of a store played from disk only the frame shown is in memory.
+        // A store that plays from disk has one frame in memory.
         Content::Store { .. } => None,
         Content::Capture { .. } => key.whole.as_ref(),
     };

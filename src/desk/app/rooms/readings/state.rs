@@ -16,7 +16,7 @@ pub(crate) struct ReadingImages {
     pub votes: [[f64; 2]; 2],
 }
 
-/// The same as the window shows it.
+/// The readings as the window shows them.
 pub(crate) struct ShownReadings {
     pub camera: String,
     pub textures: [TextureHandle; 3],

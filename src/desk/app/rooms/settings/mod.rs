@@ -129,7 +129,7 @@ impl ThresholdAxis {
         }
     }
 
-    /// The same, rounded to three digits.
+    /// The value at a position, rounded to three digits.
     pub(crate) fn value(self, position: f32) -> f64 {
         let value = self.exact_value(position);
         let unit = 10_f64.powf(value.abs().max(1e-12).log10().floor() - 2.0);

@@ -26,7 +26,7 @@ impl OverlookApp {
                 share.is_open = self.state.doc.scene.is_some();
                 share.options.way = way.unwrap_or(share.options.way);
                 share.outcome = None;
-                // Of what lies below nothing keeps the keyboard.
+                // Nothing below keeps the keyboard.
                 let below = self.ctx.memory(egui::Memory::focused);
                 self.ctx.memory_mut(|memory| below.into_iter().for_each(|id| memory.surrender_focus(id)));
                 // Sizes are those of the frame that is shown.

@@ -44,7 +44,7 @@ pub(crate) struct ComparedFilm {
     pub how: FilmComparison,
     /// What is compared; its viewpoint is that of each picture in turn.
     pub key: CompareKey,
-    /// Of its sides.
+    /// Names of its sides.
     pub names: [String; 2],
 }
 
@@ -179,7 +179,7 @@ impl ShareSize {
         Self { text: format!("about {}", bytes(size.round() as u64)), reason }
     }
 
-    /// Of a path that has no length yet.
+    /// The size of each picture, for a path that has no length yet.
     fn each(size: f64, unit: &str, [width, height]: [u32; 2]) -> Self {
         let Self { text, .. } = Self::about(size, String::new());
         Self { text: format!("{text} a {unit}"), reason: format!("of {width}×{height}") }

@@ -29,7 +29,7 @@ pub(crate) struct ShareDialog {
     pub options: ShareOptions,
     /// What the sizes follow from; `None` until it is measured.
     pub facts: Option<ShareFacts>,
-    /// What the budget leaves: of which request, its picture where there is any, and by how many decibels it is like that of all samples.
+    /// What the budget leaves: the request, the picture if there is one, and its PSNR against that of all samples, dB.
     pub preview: Option<ShownPreview>,
     /// Where what was asked for last is written, until it is.
     pub asked: Option<PathBuf>,

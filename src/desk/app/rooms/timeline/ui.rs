@@ -239,7 +239,7 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     for (nth, (length, spans)) in levels.iter().enumerate() {
         let top = rect.top() + nth as f32 * height;
         let row = Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + height));
-        // Of rows that are lower than type, some have no name to read; pointing at them gives it.
+        // Where rows are lower than type, some have no name to read; pointing at them gives it.
         let has_name = nth % (NAME / height).ceil() as usize == 0;
         map.name_ui(ui, row, response.id.with(length), *length, spans, has_name);
         hovered = map.spans_ui(row, spans, response.hover_pos()).or(hovered);
@@ -330,7 +330,7 @@ pub(crate) fn keys_ui(
     let last = state.frame_count().saturating_sub(1);
     let keys = &state.doc.path.keys;
     for (index, key) in keys.iter().enumerate() {
-        // Of keys at one frame the last lies above and is taken first.
+        // The last of the keys at one frame lies above and is taken first.
         if keys[index + 1..].iter().any(|later| later.frame.min(last) == key.frame.min(last)) {
             continue;
         }

@@ -67,7 +67,7 @@ pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
     let columns = if area.y > ROWS { ((area.x / step.x) as usize).max(1) } else { order.len() };
     let rows = order.len().div_ceil(columns.max(1));
     let whole = vec2(columns as f32 * step.x, rows as f32 * step.y);
-    // Of hundreds of cameras only those in view are drawn.
+    // Only cameras in view are drawn: there may be hundreds.
     ScrollArea::both().auto_shrink(false).show_viewport(ui, |ui, viewport| {
         ui.set_min_size(whole);
         let origin = ui.min_rect().min;
@@ -270,7 +270,7 @@ pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands
         if is_new && *index == chosen {
             ui.scroll_to_rect(place, None);
         }
-        // Of hundreds only what is in view is drawn.
+        // Only what is in view is drawn, of hundreds.
         if ui.is_rect_visible(place) {
             let line = UiBuilder::new().id_salt(("camera", *index)).max_rect(place);
             let mut line = ui.new_child(line.layout(Layout::left_to_right(Align::Center)));

@@ -89,7 +89,7 @@ pub(crate) fn seen_cameras<'a>(
     seen
 }
 
-/// Of names that overlap only one is shown: the chosen camera's, then the nearest.
+/// Where names overlap, one is shown: the chosen camera's, then the nearest.
 fn name(ui: &Ui, canvas: Rect, state: &State, seen: &mut [ProjectedCamera<'_>]) {
     let font = egui::TextStyle::Small.resolve(ui.style());
     let chosen = |camera: &ProjectedCamera<'_>| is_chosen(state, camera.index);

@@ -381,7 +381,7 @@ fn how_ui(ui: &mut Ui, choice: &mut StudyChoice) {
     ui.end_row();
 }
 
-/// Names with check boxes, all of which are switched on or off together as well.
+/// Names with check boxes, and a way to switch all of them on or off.
 fn group_ui(ui: &mut Ui, title: &str, names: &[String], choice: &mut StudyChoice) {
     ui.add_space(space::SMALL);
     ui.horizontal(|ui| {

@@ -318,7 +318,7 @@ impl Viewpoint {
         }
     }
 
-    /// The same viewpoint at the frame before, or at the last earlier frame with truth; `Invalid` at the first.
+    /// This viewpoint at the frame before, or at the last earlier frame with truth; `Invalid` at the first.
     pub(crate) fn before(&self, key: &CompareKey) -> Result<Self> {
         let first = || {
             Error::invalid(
@@ -339,7 +339,7 @@ impl Viewpoint {
         Self::of(key, self.from, self.vantage.frame.checked_sub(1).ok_or_else(first)?)
     }
 
-    /// The same view at the pose that its file claims; `None` for the live view.
+    /// This view at the pose that its file claims; `None` for the live view.
     pub(crate) fn as_claimed(&self, key: &CompareKey) -> Option<Self> {
         let camera = match self.from {
             CompareVantage::Live => return None,

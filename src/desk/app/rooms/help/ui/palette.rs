@@ -89,7 +89,7 @@ fn entries_ui(ui: &mut Ui, entries: &[PaletteEntry], chosen: usize) -> Option<us
     clicked
 }
 
-/// Of an address, going there; else the entries that `text` asks for, the likeliest first.
+/// Going there, if `text` is an address; else the entries that it asks for, the likeliest first.
 fn matching(state: &State, text: &str) -> Vec<PaletteEntry> {
     if address::split(text).is_some() {
         let command = Command::View(ViewCommand::GoToAddress(text.to_owned()));

@@ -154,7 +154,7 @@ pub(crate) fn share_ui(ui: &mut Ui, name: &str, figure: &str, share: f32, color:
     tall_share_ui(ui, name, figure, share, color, SHARE_BAR)
 }
 
-/// The same with a bar of a height.
+/// That with a bar of a height.
 fn tall_share_ui(
     ui: &mut Ui,
     name: &str,

@@ -229,7 +229,7 @@ pub(crate) fn pairs_ui(
 struct PairGrid<'a> {
     names: &'a [&'a str],
     order: &'a [usize],
-    /// Of the first cell.
+    /// Corner of the first cell.
     corner: egui::Pos2,
     cell: egui::Vec2,
     /// How many times as large as usual it is drawn.

@@ -184,7 +184,7 @@ fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
     }
 }
 
-/// Says that pictures along the camera path show what the live view shows, where that is not plain.
+/// Says that pictures along the path look as the live view does, where that is not plain.
 fn look_ui(ui: &mut Ui, state: &State, options: &ShareOptions) {
     if let (Some(look), None) = (state.film_look(), options.compares) {
         let linear = options.way == ShareWay::Pictures && options.linear;
@@ -300,7 +300,7 @@ fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
     ui.end_row();
 }
 
-/// Says that cameras which the live view hides are saved, and leaves them out where that is wanted.
+/// Says that hidden cameras are saved as well, and can leave them out.
 fn hidden_cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.doc.scene else { return };
     let left_out = state.doc.edits.list.cameras_left_out();

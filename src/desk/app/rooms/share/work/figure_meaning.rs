@@ -31,7 +31,7 @@ pub(crate) struct Meaning {
     pub(crate) color_bar: Option<ColorBar>,
 }
 
-/// Of a source picture.
+/// What the colors of a source picture mean.
 pub(crate) fn of_source(
     overlay: Overlay,
     legend: &Legend,
@@ -111,7 +111,7 @@ pub(crate) fn of_source(
     }
 }
 
-/// Of a picture of the live view.
+/// What the colors of a picture of the live view mean.
 pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
     let tokens = Tokens::of(key.dark);
     match key.color_by {
@@ -152,7 +152,7 @@ pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
     }
 }
 
-/// Of a comparison: what both sides are called, and of a map of their difference what its colors mean.
+/// What both sides of a comparison are called, and what the colors of a difference mean.
 pub(crate) fn of_comparison(compared: &ComparisonFigure) -> Meaning {
     let [left, right] = &compared.names;
     let named = |text: &str| Meaning { legend: vec![words(text)], color_bar: None };

@@ -130,8 +130,7 @@ fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
     [(tokens.static_over_time, "all frames"), (tokens.lasting, "several"), (tokens.moving, "this frame")]
 }
 
-/// Cameras with the share of pixels that each won, most first. A list holds those that the picture shows as *others* and those that
-/// have no room. While the pointer is on a name, the picture shows that camera alone.
+/// Cameras with the share of pixels that each won, most first. A list holds cameras without room, and those that the picture shows as *others*. While the pointer is on a name, the picture shows that camera alone.
 fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64, commands: &mut Commands) {
     let cameras = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
     let (ranked, named) = ranked(won_by);
