@@ -67,13 +67,13 @@ fn split(bencher: Bencher) {
 }
 
 #[divan::bench(args = NormalEstimator::ALL)]
-fn normals(bencher: Bencher, estimator: &NormalEstimator) {
+fn normals(bencher: Bencher, estimator: NormalEstimator) {
     let settings = Settings::default().normals;
     let capture = &MEASURED.capture;
     let frames: Vec<_> = (0..capture.cameras.len()).map(|camera| capture.frame(camera, 0).unwrap()).collect();
     bencher.counter(frame_pixels()).bench(|| {
         let views = frames.iter().zip(&capture.cameras).map(|(frame, camera)| {
-            estimate_all(&DepthView::new(frame.inverse_depth.as_slice(), camera, &settings), *estimator)
+            estimate_all(&DepthView::new(frame.inverse_depth.as_slice(), camera, &settings), estimator)
         });
         views.collect::<Vec<_>>()
     });

@@ -37,7 +37,7 @@ pub(crate) fn print_stage_times() {
 fn paint(
     bencher: Bencher,
     set: &Arc<SampleSet>,
-    settings: RenderSettings,
+    settings: &RenderSettings,
     vantages: &[Vantage],
     is_from_nothing: bool,
 ) -> (StageTimes, usize) {
@@ -48,7 +48,7 @@ fn paint(
         if is_from_nothing {
             renderer.forget_background();
         }
-        let (picture, stats) = renderer.render(set, turns.next().unwrap(), &settings, &Job::new()).unwrap();
+        let (picture, stats) = renderer.render(set, turns.next().unwrap(), settings, &Job::new()).unwrap();
         stages.add(&stats.stages);
         pictures += 1;
         assert!(renderer.notice().is_none(), "{:?}", renderer.notice());
@@ -117,7 +117,7 @@ fn kernels(bencher: Bencher, case: &KernelCase) {
     let vantages: Vec<Vantage> = (0..frames).flat_map(at_frame).collect();
     let images = set.images_at(0).filter(|image| !is_still || image.span.len() == 1);
     let samples: usize = images.map(|image| image.len()).sum();
-    paint(bencher.counter(ItemsCount::new(samples)), set, settings, &vantages, false);
+    paint(bencher.counter(ItemsCount::new(samples)), set, &settings, &vantages, false);
 }
 
 /// What changes from one default picture to the next.
@@ -181,6 +181,6 @@ fn default_pictures(bencher: Bencher, case: &PictureCase) {
     let samples: usize = animation.samples.images_at(0).map(|image| image.len()).sum();
     let bencher = bencher.counter(ItemsCount::new(samples));
     let is_from_nothing = matches!(motion, Motion::Rest);
-    let (stages, pictures) = paint(bencher, &animation.samples, settings, &vantages, is_from_nothing);
+    let (stages, pictures) = paint(bencher, &animation.samples, &settings, &vantages, is_from_nothing);
     STAGE_TIMES.lock().unwrap().push((case.to_string(), stages, pictures));
 }

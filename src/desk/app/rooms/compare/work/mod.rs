@@ -253,12 +253,11 @@ impl Comparer {
         }
         let others = left_out.map(|_| cameras_left(key)).transpose()?;
         let capture = others.as_ref().map_or_else(|| corrected_capture(key), Ok)?;
-        let made = match rival {
-            Some(rival) => Made::Rival(rival.build(&truth::seen_at(capture, frame)?)?.into()),
-            None => {
-                let inspection = preprocess::inspect_frame(capture, scan.as_deref(), settings, frame, job)?;
-                Made::Samples(inspection.samples)
-            }
+        let made = if let Some(rival) = rival {
+            Made::Rival(rival.build(&truth::seen_at(capture, frame)?)?.into())
+        } else {
+            let inspection = preprocess::inspect_frame(capture, scan.as_deref(), settings, frame, job)?;
+            Made::Samples(inspection.samples)
         };
         keep(&mut self.made, KEPT, (of, made.clone()));
         Ok(made)
