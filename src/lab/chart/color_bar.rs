@@ -3,9 +3,7 @@
 use image::RgbaImage;
 
 use super::axis::Scale;
-use super::color;
-use super::svg::{Anchor, Print, Svg};
-use super::type_metrics::text_width;
+use super::svg::{Anchor, FAINT, INK, PAPER, Print, Svg, hex, text_width};
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::ValueColors;
@@ -78,7 +76,7 @@ impl ColorBar {
             let left = nth as f64 * step;
             // A little overlap closes the seams that anti-aliasing would leave.
             let width = (step + 0.5).min(look.columns - left);
-            body.rectangle([left, y, width, BAR * size], &color::hex(*color));
+            body.rectangle([left, y, width, BAR * size], &hex(*color));
         }
         y += BAR * size;
         let mut free = f64::NEG_INFINITY;
@@ -126,8 +124,7 @@ impl Strip {
     /// What is drawn, opaque.
     pub(super) fn png_of(&self, body: &Svg) -> Result<RgbaImage> {
         let (columns, rows) = (self.columns as u32, self.rows as u32);
-        let png =
-            Svg::printed(Print { columns, rows, dots_per_inch: SCREEN_DOTS }, color::PAPER, body).png()?;
+        let png = Svg::printed(Print { columns, rows, dots_per_inch: SCREEN_DOTS }, PAPER, body).png()?;
         let read = image::load_from_memory(&png);
         read.map(image::DynamicImage::into_rgba8)
             .map_err(|error| Error::invalid("below a picture", error.to_string()))
@@ -138,7 +135,7 @@ impl Strip {
 pub(super) fn strip_look(columns: usize) -> BarLook {
     let type_size = (columns as f64 / COLUMNS_PER_TYPE).clamp(TYPE[0], TYPE[1]).round();
     let inset = 0.5 * type_size;
-    BarLook { columns: columns as f64, inset, type_size, ink: color::INK, faint: color::FAINT }
+    BarLook { columns: columns as f64, inset, type_size, ink: INK, faint: FAINT }
 }
 
 /// Round numbers within the range of some colors, and where they lie.

@@ -9,10 +9,11 @@ use base64::Engine as _;
 use image::{ImageFormat, RgbaImage};
 
 use super::axis::short;
-use super::color;
 use super::color_bar::{BarLook, ColorBar};
-use super::svg::{Anchor, Chart, Print, Svg};
-use super::type_metrics::{lines, text_width};
+use super::svg::{
+    Anchor, Chart, DARK_FAINT, DARK_INK, DARK_PAPER, FAINT, INK, ON_PLATE, PAPER, Print, Svg, hex, lines,
+    text_width,
+};
 use overlook_engine::error::{Error, Result};
 
 /// A typographic point, inches.
@@ -125,15 +126,15 @@ impl Sheet<'_> {
     }
 
     fn paper(&self) -> &'static str {
-        if self.figure.is_dark { color::DARK_PAPER } else { color::PAPER }
+        if self.figure.is_dark { DARK_PAPER } else { PAPER }
     }
 
     fn ink(&self) -> &'static str {
-        if self.figure.is_dark { color::DARK_INK } else { color::INK }
+        if self.figure.is_dark { DARK_INK } else { INK }
     }
 
     fn faint(&self) -> &'static str {
-        if self.figure.is_dark { color::DARK_FAINT } else { color::FAINT }
+        if self.figure.is_dark { DARK_FAINT } else { FAINT }
     }
 
     fn picture(&mut self, height: f64) -> Result<()> {
@@ -166,11 +167,11 @@ impl Sheet<'_> {
         self.body.plate([left, top, width, height], 0.25 * size);
         let (x, y) = (left + inset, top + height - 0.55 * size);
         let stroke = 0.14 * size;
-        self.body.line((x, y), (x + bar, y), stroke, color::ON_PLATE);
+        self.body.line((x, y), (x + bar, y), stroke, ON_PLATE);
         for x in [x, x + bar] {
-            self.body.line((x, y - 0.25 * size), (x, y + 0.25 * size), stroke, color::ON_PLATE);
+            self.body.line((x, y - 0.25 * size), (x, y + 0.25 * size), stroke, ON_PLATE);
         }
-        self.body.text((x, top + 1.05 * size), Anchor::Start, size, color::ON_PLATE, &text);
+        self.body.text((x, top + 1.05 * size), Anchor::Start, size, ON_PLATE, &text);
     }
 
     fn color_bar(&mut self) {
@@ -204,10 +205,7 @@ impl Sheet<'_> {
                 self.y += LINE * size;
             }
             if let Some(color) = color {
-                self.body.rectangle(
-                    [x, self.y - SWATCH * size, SWATCH * size, SWATCH * size],
-                    &color::hex(*color),
-                );
+                self.body.rectangle([x, self.y - SWATCH * size, SWATCH * size, SWATCH * size], &hex(*color));
             }
             self.body.text((x + sign, self.y), Anchor::Start, size, self.ink(), name);
             x += width + 1.4 * size;

@@ -8,27 +8,22 @@
 //! Text is set in a typeface that the program brings along: no machine needs fonts.
 
 mod axis;
-mod color;
 mod color_bar;
 mod error_picture;
 mod figure;
-mod labels;
 mod pareto;
 mod pdf;
-mod series;
 mod side_names;
 mod stress;
 mod svg;
 mod together;
-mod type_metrics;
 mod views;
 
-pub use axis::Scale;
+pub use axis::{ChartSeries, Marker, Scale, series};
 pub use color_bar::ColorBar;
 pub use error_picture::error_picture;
 pub use figure::{FIGURE_COLUMNS, Figure, LegendEntry, ScaleBar};
 pub use pareto::{ChartQuantity, pareto, tradeoff};
-pub use series::{ChartSeries, Marker, series};
 pub use side_names::SideNames;
 pub use stress::stress;
 pub use svg::{Chart, INCH_MM};

@@ -1,10 +1,13 @@
 //! A sweep: accuracy against bytes, and against time, or one quantity against another, with the Pareto front of each.
+//!
+//! Labels beside points, so that none covers another.
+//!
+//! Purpose: charts name points that are close together. Source: greedy placement among fixed candidate positions (Christensen,
+//! Marks, Shieber: An Empirical Study of Algorithms for Point-Feature Label Placement, 1995, section 3). What differs: candidates go
+//! on outward, in rows above and below the point, until one is free.
 
-use super::axis::{ChartAxis, Scale, short};
-use super::color;
-use super::labels::Labels;
-use super::series::Marker;
-use super::svg::{Anchor, Chart, Svg};
+use super::axis::{ChartAxis, Marker, Scale, short};
+use super::svg::{Anchor, BLUE, Chart, FAINT, GREEN, GRID, INK, ORANGE, PINK, RED, Svg};
 use crate::sweep::{Point, Series, mark_pareto};
 use overlook_engine::plural::counted;
 use overlook_engine::settings::Kernel;
@@ -34,16 +37,16 @@ pub struct ChartQuantity<'a> {
 
 fn kernel_color(kernel: Kernel) -> &'static str {
     match kernel {
-        Kernel::Point => color::FAINT,
-        Kernel::Block => color::ORANGE,
-        Kernel::Surfel => color::GREEN,
-        Kernel::Gather => color::BLUE,
+        Kernel::Point => FAINT,
+        Kernel::Block => ORANGE,
+        Kernel::Surfel => GREEN,
+        Kernel::Gather => BLUE,
     }
 }
 
 /// Rivals and other programs have a color of their own.
 fn point_color(point: &Point) -> &'static str {
-    if point.series.is_rival() { color::PINK } else { kernel_color(point.settings.render.kernel) }
+    if point.series.is_rival() { PINK } else { kernel_color(point.settings.render.kernel) }
 }
 
 /// Ends of a point's bar, dB.
@@ -54,11 +57,11 @@ fn bar_db(point: &Point) -> [f64; 2] {
 /// Draws a sweep of a capture.
 pub fn pareto(capture: &str, points: &[Point]) -> Chart {
     let mut svg = Svg::new(WIDTH, HEIGHT);
-    svg.text((40.0, 50.0), Anchor::Start, 30.0, color::INK, &format!("{capture}: accuracy, size and speed"));
+    svg.text((40.0, 50.0), Anchor::Start, 30.0, INK, &format!("{capture}: accuracy, size and speed"));
     svg.text(
         (40.0, 80.0),
         Anchor::Start,
-        17.0, color::FAINT,
+        17.0, FAINT,
         &format!(
             "{} and baselines; PSNR over all pixels that some camera saw, holes filled alike; bars are ± 1 standard error of the \
              difference to the most accurate one",
@@ -83,7 +86,7 @@ pub fn pareto(capture: &str, points: &[Point]) -> Chart {
     };
     panel(PANELS[0], BYTES, Point::megabytes_of_samples);
     panel(PANELS[1], "rendering one view, ms", |point| point.milliseconds);
-    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), 18.0, color::INK, &up.name);
+    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), 18.0, INK, &up.name);
     legend(&mut svg, WIDTH, points, Series::Reference.name(), Some("nothing is both cheaper and closer"));
     svg.finish()
 }
@@ -99,9 +102,9 @@ pub fn tradeoff(
 ) -> Chart {
     let [width, height] = NARROW;
     let mut svg = Svg::new(width, height);
-    svg.text((40.0, 50.0), Anchor::Start, 30.0, color::INK, &format!("{capture}: what settings cost"));
+    svg.text((40.0, 50.0), Anchor::Start, 30.0, INK, &format!("{capture}: what settings cost"));
     let words = format!("{} and baselines, holes filled alike", counted(points.len(), "setting"));
-    svg.text((40.0, 80.0), Anchor::Start, 17.0, color::FAINT, &words);
+    svg.text((40.0, 80.0), Anchor::Start, 17.0, FAINT, &words);
     let (left, right) = (PANELS[0].0, width - 30.0);
     let x = ChartAxis::around(along.scale, points.iter().map(along.value), left, right);
     let y = ChartAxis::around(up.scale, points.iter().map(up.value), BOTTOM, TOP);
@@ -111,7 +114,7 @@ pub fn tradeoff(
         panel.front(&mut svg, points.to_vec());
     }
     panel.points(&mut svg, points, start);
-    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), 18.0, color::INK, &up.name);
+    svg.upward((38.0, 0.5 * (TOP + BOTTOM)), 18.0, INK, &up.name);
     legend(&mut svg, width, points, start, has_front.then_some("nothing is better in both"));
     svg.finish()
 }
@@ -148,12 +151,12 @@ impl Panel<'_> {
         }
         let mut labels = Labels::new([self.left, TOP, self.right, BOTTOM]);
         for point in points.iter().filter(|point| point.series == Series::External) {
-            labels.draw(svg, self.position(point), 8.0, 14.0, color::PINK, &point.label);
+            labels.draw(svg, self.position(point), 8.0, 14.0, PINK, &point.label);
         }
         for point in points.iter().filter(|point| point.series == Series::Reference) {
             let (x, y) = self.position(point);
-            svg.marker(Marker::Ring, (x, y), 13.0, color::INK);
-            svg.text((x + 18.0, y - 14.0), Anchor::Start, 17.0, color::INK, start);
+            svg.marker(Marker::Ring, (x, y), 13.0, INK);
+            svg.text((x + 18.0, y - 14.0), Anchor::Start, 17.0, INK, start);
         }
     }
 
@@ -161,16 +164,16 @@ impl Panel<'_> {
         let Self { left, right, x, y, .. } = self;
         let (left, right) = (*left, *right);
         for tick in y.ticks(8) {
-            svg.line((left, y.at(tick)), (right, y.at(tick)), 1.0, color::GRID);
-            svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, 15.0, color::FAINT, &short(tick));
+            svg.line((left, y.at(tick)), (right, y.at(tick)), 1.0, GRID);
+            svg.text((left - 10.0, y.at(tick) + 5.0), Anchor::End, 15.0, FAINT, &short(tick));
         }
         for tick in x.ticks(7) {
-            svg.line((x.at(tick), TOP), (x.at(tick), BOTTOM), 1.0, color::GRID);
-            svg.text((x.at(tick), BOTTOM + 24.0), Anchor::Middle, 15.0, color::FAINT, &short(tick));
+            svg.line((x.at(tick), TOP), (x.at(tick), BOTTOM), 1.0, GRID);
+            svg.text((x.at(tick), BOTTOM + 24.0), Anchor::Middle, 15.0, FAINT, &short(tick));
         }
-        svg.line((left, BOTTOM), (right, BOTTOM), 1.5, color::INK);
-        svg.line((left, TOP), (left, BOTTOM), 1.5, color::INK);
-        svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, 18.0, color::INK, &self.along.name);
+        svg.line((left, BOTTOM), (right, BOTTOM), 1.5, INK);
+        svg.line((left, TOP), (left, BOTTOM), 1.5, INK);
+        svg.text((0.5 * (left + right), BOTTOM + 54.0), Anchor::Middle, 18.0, INK, &self.along.name);
     }
 
     /// The staircase along the points of the Pareto front. A step is as good as the point from which less of one quantity is had for
@@ -204,27 +207,27 @@ impl Panel<'_> {
 
 /// The front's line.
 const FRONT_WIDTH: f64 = 2.2;
-const FRONT_COLOR: &str = color::RED;
+const FRONT_COLOR: &str = RED;
 const FRONT_DASHES: &str = "7 5";
 
 /// What kernels, the front and series look like, on a sheet of a width; `front` says what is on the front, if it is drawn.
 fn legend(svg: &mut Svg, width: f64, points: &[Point], start: &str, front: Option<&str>) {
     let (mut x, y) = (100.0, BOTTOM + 110.0);
-    svg.text((x, y), Anchor::Start, 16.0, color::FAINT, "kernel");
+    svg.text((x, y), Anchor::Start, 16.0, FAINT, "kernel");
     x += 80.0;
     for kernel in Kernel::ALL.iter().rev() {
         if points.iter().any(|point| !point.series.is_rival() && point.settings.render.kernel == *kernel) {
             svg.marker(Marker::Dot, (x, y - 5.0), 7.0, kernel_color(*kernel));
-            svg.text((x + 15.0, y), Anchor::Start, 16.0, color::INK, kernel.name());
+            svg.text((x + 15.0, y), Anchor::Start, 16.0, INK, kernel.name());
             x += 110.0;
         }
     }
     if let Some(front) = front {
         svg.path(&[(x + 20.0, y - 5.0), (x + 70.0, y - 5.0)], FRONT_WIDTH, FRONT_COLOR, FRONT_DASHES);
-        svg.text((x + 82.0, y), Anchor::Start, 16.0, color::INK, &format!("Pareto front: {front}"));
+        svg.text((x + 82.0, y), Anchor::Start, 16.0, INK, &format!("Pareto front: {front}"));
     }
     let (mut x, mut y) = (180.0, y + 40.0);
-    svg.text((100.0, y), Anchor::Start, 16.0, color::FAINT, "samples");
+    svg.text((100.0, y), Anchor::Start, 16.0, FAINT, "samples");
     for series in Series::ALL {
         if !points.iter().any(|point| point.series == series) {
             continue;
@@ -236,15 +239,83 @@ fn legend(svg: &mut Svg, width: f64, points: &[Point], start: &str, front: Optio
             Marker::of(series),
             (x, y - 5.0),
             if series.is_baseline() { 8.0 } else { 6.0 },
-            if series.is_rival() { color::PINK } else { color::INK },
+            if series.is_rival() { PINK } else { INK },
         );
         if series == Series::Reference {
-            svg.marker(Marker::Ring, (x, y - 5.0), 11.0, color::INK);
+            svg.marker(Marker::Ring, (x, y - 5.0), 11.0, INK);
         }
         let name = if series == Series::Reference { start } else { series.name() };
-        svg.text((x + 18.0, y), Anchor::Start, 16.0, color::INK, name);
+        svg.text((x + 18.0, y), Anchor::Start, 16.0, INK, name);
         x += 340.0;
     }
+}
+
+/// Mean width of a letter, as a share of the size of the type: Ubuntu Light's digits and lower case.
+const LETTER_WIDTH: f64 = 0.52;
+/// Height of a row of type, the same.
+const ROW_HEIGHT: f64 = 1.15;
+/// Rows above and below a point that are tried.
+const ROWS: u32 = 40;
+
+/// Left, top, right, bottom, pixels.
+type Rectangle = [f64; 4];
+
+/// The labels of one plot.
+pub(super) struct Labels {
+    plot: Rectangle,
+    taken: Vec<Rectangle>,
+}
+
+impl Labels {
+    /// No label yet. Labels stay within `plot` if a place there is free.
+    pub(super) fn new(plot: Rectangle) -> Self {
+        Self { plot, taken: Vec::new() }
+    }
+
+    /// Writes a label beside a point whose marker has this radius; a line joins a distant label to its point.
+    pub(super) fn draw(
+        &mut self,
+        svg: &mut Svg,
+        point: (f64, f64),
+        radius: f64,
+        size: f64,
+        ink: &str,
+        text: &str,
+    ) {
+        let width = LETTER_WIDTH * size * text.chars().count() as f64;
+        let rows = (0..=ROWS)
+            .flat_map(|row| if row == 0 { vec![0.0] } else { vec![-f64::from(row), f64::from(row)] });
+        let candidates = rows.flat_map(|row| {
+            [Anchor::Start, Anchor::End].map(|anchor| {
+                let left = match anchor {
+                    Anchor::End => point.0 - radius - 4.0 - width,
+                    _ => point.0 + radius + 4.0,
+                };
+                let top = point.1 + (row - 0.5) * ROW_HEIGHT * size;
+                (row, anchor, [left, top, left + width, top + ROW_HEIGHT * size])
+            })
+        });
+        let candidates: Vec<_> = candidates.collect();
+        let free = candidates.iter().find(|(.., place)| self.is_free(place));
+        let Some((row, anchor, place)) = free.or(candidates.first()).copied() else { return };
+        self.taken.push(place);
+        let x = if matches!(anchor, Anchor::End) { place[2] } else { place[0] };
+        let baseline = place[3] - 0.3 * size;
+        if row.abs() > 1.0 {
+            svg.line(point, (x, 0.5 * (place[1] + place[3])), 0.6, ink);
+        }
+        svg.text((x, baseline), anchor, size, ink, text);
+    }
+
+    fn is_free(&self, place: &Rectangle) -> bool {
+        let [left, top, right, bottom] = self.plot;
+        let is_inside = place[0] >= left && place[1] >= top && place[2] <= right && place[3] <= bottom;
+        is_inside && !self.taken.iter().any(|other| overlap(place, other))
+    }
+}
+
+fn overlap(a: &Rectangle, b: &Rectangle) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
 #[cfg(test)]
@@ -302,5 +373,28 @@ mod tests {
         // From the left edge to the fast one, and up to the similar one: the third is beaten in both.
         assert_eq!(front.matches('L').count(), 3, "{front}");
         assert!(!tradeoff("scene", &points, &axes, "mine", false).svg.contains("Pareto front"));
+    }
+
+    #[test]
+    fn labels_of_points_that_lie_together_do_not_cover_each_other_and_stay_within_the_plot() {
+        let plot = [0.0, 0.0, 600.0, 400.0];
+        let mut labels = Labels::new(plot);
+        let mut svg = Svg::new(600.0, 400.0);
+        for index in 0..16_u32 {
+            let at = (590.0 - f64::from(index % 3), 200.0 + f64::from(index % 2));
+            labels.draw(&mut svg, at, 6.0, 12.0, "#000", &format!("method {index}"));
+        }
+        assert_eq!(labels.taken.len(), 16);
+        for (index, a) in labels.taken.iter().enumerate() {
+            assert!(a[0] >= plot[0] && a[1] >= plot[1] && a[2] <= plot[2] && a[3] <= plot[3], "{a:?}");
+            assert!(labels.taken[index + 1..].iter().all(|b| !overlap(a, b)), "{a:?}");
+        }
+    }
+
+    #[test]
+    fn a_label_alone_stands_to_the_right_of_its_point() {
+        let mut labels = Labels::new([0.0, 0.0, 600.0, 400.0]);
+        labels.draw(&mut Svg::new(600.0, 400.0), (100.0, 100.0), 6.0, 12.0, "#000", "alone");
+        assert_eq!(labels.taken[0][0], 110.0);
     }
 }

@@ -1,16 +1,13 @@
 //! A stress test: one panel a disturbance, accuracy above and the share of samples kept below, against the dial.
 
-use super::axis::{ChartAxis, Scale, short};
-use super::color;
-use super::series::{ChartSeries, Marker, series};
-use super::svg::{Anchor, Chart, Svg};
+use super::axis::{ChartAxis, ChartSeries, Marker, Scale, series, short};
+use super::svg::{Anchor, BLUE, Chart, FAINT, GREEN, GRID, INK, ORANGE, PINK, RED, Svg};
 use crate::stress::{LOST_DB, StressPoint, distinct, failures};
 
 const COLUMNS: usize = 5;
 const PANEL: (f64, f64) = (370.0, 300.0);
 const HEAD: f64 = 130.0;
-const COLORS: [&str; 7] =
-    [color::BLUE, color::ORANGE, color::RED, color::GREEN, color::PINK, color::INK, color::FAINT];
+const COLORS: [&str; 7] = [BLUE, ORANGE, RED, GREEN, PINK, INK, FAINT];
 
 type Methods<'a> = [ChartSeries<'a, &'a str, StressPoint>];
 
@@ -21,17 +18,17 @@ pub fn stress(capture: &str, points: &[StressPoint]) -> Chart {
     let methods = series(points, |point| point.method.as_str());
     let rows = disturbances.len().div_ceil(COLUMNS).max(1);
     let mut svg = Svg::new(30.0 + COLUMNS as f64 * PANEL.0, HEAD + 20.0 + rows as f64 * PANEL.1);
-    svg.text((40.0, 48.0), Anchor::Start, 30.0, color::INK, &format!("{capture}: where methods fail"));
+    svg.text((40.0, 48.0), Anchor::Start, 30.0, INK, &format!("{capture}: where methods fail"));
     svg.text(
         (40.0, 76.0),
         Anchor::Start,
-        16.0, color::FAINT,
+        16.0, FAINT,
         "above: PSNR in dB over pixels that some camera saw, a cross where 1 dB is lost; below: samples kept, % of all pixels",
     );
     for (index, method) in methods.iter().enumerate() {
         let x = 48.0 + 230.0 * index as f64;
         svg.line((x, 103.0), (x + 34.0, 103.0), 3.0, COLORS[index % COLORS.len()]);
-        svg.text((x + 44.0, 108.0), Anchor::Start, 17.0, color::INK, method.kind);
+        svg.text((x + 44.0, 108.0), Anchor::Start, 17.0, INK, method.kind);
     }
     for (index, disturbance) in disturbances.iter().enumerate() {
         let corner = (20.0 + (index % COLUMNS) as f64 * PANEL.0, HEAD + (index / COLUMNS) as f64 * PANEL.1);
@@ -47,7 +44,7 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     let (plot_left, plot_right) = (left + 50.0, left + PANEL.0 - 20.0);
     let (accuracy_bottom, kept_top, bottom) = (top + 175.0, top + 190.0, top + 235.0);
     let title = format!("{}, {}", first.disturbance, first.unit);
-    svg.text((plot_left, top + 16.0), Anchor::Start, 17.0, color::INK, &title);
+    svg.text((plot_left, top + 16.0), Anchor::Start, 17.0, INK, &title);
     let dials = distinct(points.iter().map(|point| point.dial));
     // Values of a dial are drawn at equal distances: they were chosen in perceptually equal steps.
     let x =
@@ -70,15 +67,15 @@ fn panel(svg: &mut Svg, (left, top): (f64, f64), points: &[StressPoint], methods
     );
     for (axis, count) in [(&y, 4), (&kept, 2)] {
         for tick in axis.ticks(count) {
-            svg.line((plot_left, axis.at(tick)), (plot_right, axis.at(tick)), 1.0, color::GRID);
-            svg.text((plot_left - 8.0, axis.at(tick) + 4.0), Anchor::End, 13.0, color::FAINT, &short(tick));
+            svg.line((plot_left, axis.at(tick)), (plot_right, axis.at(tick)), 1.0, GRID);
+            svg.text((plot_left - 8.0, axis.at(tick) + 4.0), Anchor::End, 13.0, FAINT, &short(tick));
         }
     }
     for &dial in &dials {
-        svg.text((x_of(dial), bottom + 20.0), Anchor::Middle, 13.0, color::FAINT, &short(dial));
+        svg.text((x_of(dial), bottom + 20.0), Anchor::Middle, 13.0, FAINT, &short(dial));
     }
-    svg.line((plot_left, bottom), (plot_right, bottom), 1.2, color::INK);
-    svg.line((plot_left, accuracy_bottom), (plot_right, accuracy_bottom), 0.8, color::FAINT);
+    svg.line((plot_left, bottom), (plot_right, bottom), 1.2, INK);
+    svg.line((plot_left, accuracy_bottom), (plot_right, accuracy_bottom), 0.8, FAINT);
     let failures = failures(points);
     for (index, method) in methods.iter().enumerate() {
         let color = COLORS[index % COLORS.len()];

@@ -9,18 +9,15 @@
 mod error_class;
 mod flicker;
 mod flip;
-mod ms_ssim;
 mod pair;
 mod psnr;
-mod silhouette;
 mod ssim;
 
 pub(crate) use error_class::ClassErrors;
 pub use error_class::{ClassMap, ClassScore, ErrorByClass, ErrorClass};
 pub(crate) use flicker::FlickerMeter;
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
-pub use ms_ssim::ms_ssim;
 pub(crate) use pair::Pair;
 pub use pair::{Scores, luma, score};
 pub use psnr::{MAX_PSNR_DB, psnr_db};
-pub use ssim::ssim;
+pub use ssim::{ms_ssim, ssim};

@@ -2,11 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::error_class::near_silhouettes;
 use super::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
-use super::ms_ssim::ms_ssim;
 use super::psnr::{MAX_PSNR_DB, mean_squared_error, psnr_db};
-use super::silhouette::near_silhouettes;
-use super::ssim::ssim;
+use super::ssim::{ms_ssim, ssim};
 use overlook_engine::capture::Frame;
 use overlook_engine::color::srgb_from_linear;
 use overlook_engine::error::{Error, Result};

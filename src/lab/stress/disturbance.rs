@@ -5,10 +5,9 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 
 use super::depth_sensor::{depth_holes, flying_pixels, median_inverse_depth, misread, sensor_noise};
-use super::light::{LightChange, Lighting};
 use super::recording_edits::{
-    FrameKey, antialias, color_noise, depth_float, depth_noise, depth_steps, expose, narrow, normals_missing,
-    normals_noisy,
+    FrameKey, LightChange, Lighting, antialias, color_noise, depth_float, depth_noise, depth_steps, expose,
+    narrow, normals_missing, normals_noisy,
 };
 use super::shapes::Inserted;
 use crate::truth::{DERIVED_CACHE_BYTES, Recorded, Truth, TruthEdit};

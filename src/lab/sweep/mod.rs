@@ -5,18 +5,15 @@
 mod external;
 mod plan;
 mod point;
-mod worst;
 
+use crate::trial::{Measured, ShownView, TimeLeft, Trial, ViewAccuracy, Workbench, coarse_to_fine};
+use crate::truth::{Recorded, Truth};
 pub use external::ExternalPoint;
-pub use plan::{Planned, SweepPlan, paper, picture_variations, variations};
-pub use point::{Point, Series, mark_behind_best, mark_pareto, mark_pareto_of_stores};
-pub use worst::worst_views;
-
-use super::trial::{Measured, TimeLeft, Workbench, coarse_to_fine};
-use super::truth::{Recorded, Truth};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
+pub use plan::{Planned, SweepPlan, paper, picture_variations, variations};
+pub use point::{Point, Series, mark_behind_best, mark_pareto, mark_pareto_of_stores};
 
 /// Measures the unknown points of the plan, from coarse to fine until its budget is spent, and compares all points with each other; a
 /// single camera is skipped if no view can be scored for it. `on_point` receives each new point and the number of known ones.
@@ -84,4 +81,32 @@ fn only_the_best_single_camera(points: &mut Vec<Point>) {
         .max_by(|a, b| a.psnr_filled_db.total_cmp(&b.psnr_filled_db))
         .map(|point| point.label.clone());
     points.retain(|point| !is_single(point) || Some(&point.label) == best.as_ref());
+}
+
+/// The default at its worst view of each of the `count` worst vantages of a sweep's `points`, the worst first.
+///
+/// # Errors
+/// As [`run`](run).
+pub fn worst_views(
+    capture: &Capture,
+    plan: &SweepPlan,
+    truth: &Truth,
+    points: &[Point],
+    count: usize,
+    job: &Job,
+) -> Result<Vec<ShownView>> {
+    let Some(default) = points.iter().find(|point| point.series == Series::Reference) else {
+        return Ok(Vec::new());
+    };
+    let worst_of_vantage = |views: &[ViewAccuracy]| {
+        views.iter().min_by(|a, b| a.psnr_filled_db.total_cmp(&b.psnr_filled_db)).cloned()
+    };
+    let vantages = default.views.chunk_by(|before, after| before.vantage == after.vantage);
+    let mut worst: Vec<_> = vantages.filter_map(worst_of_vantage).collect();
+    worst.sort_by(|a, b| a.psnr_filled_db.total_cmp(&b.psnr_filled_db));
+    worst.truncate(count);
+    let mut workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.reference, job)?;
+    let trial = Trial::new(default.label.clone(), default.settings.clone());
+    let shown = worst.iter().map(|view| workbench.show(&trial, &view.file_path, job));
+    Ok(shown.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())
 }

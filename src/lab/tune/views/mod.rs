@@ -11,24 +11,23 @@
 //! [`ViewChoice`](overlook_engine::capture::ViewChoice) is the quick look when a recording is opened: it compares at most 256 views at a
 //! few points each, and measures no accuracy. Both take views by the same [`GreedyCover`](overlook_engine::capture::GreedyCover).
 
-mod accuracy;
 mod greedy;
-mod surface_points;
+#[cfg(test)]
+mod tests;
 mod visibility;
 
 use serde::{Deserialize, Serialize};
 
-use crate::truth::{self, Truth};
-use accuracy::AccuracyTest;
+use crate::trial::{MeanEstimate, Trial, Workbench};
+use crate::truth::{self, Fold, Truth};
 use greedy::Coverage;
 use overlook_engine::alignment;
-use overlook_engine::capture::{Addition, Capture};
+use overlook_engine::capture::{Addition, Capture, TruthView};
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::{AlignSettings, Settings};
-use surface_points::seen_points;
-use visibility::shown_by_each;
+use visibility::{seen_points, shown_by_each};
 
 /// The default share of all seen surfaces that the chosen views must show, 0 to 1.
 pub const SHOWN_AT_LEAST: f64 = 0.99;
@@ -224,5 +223,72 @@ fn words(chosen: &ChosenViews) -> Vec<String> {
     words
 }
 
-#[cfg(test)]
-mod tests;
+/// Most views that are held out as truth.
+const LEFT_OUT: usize = 8;
+
+/// Accuracy and size of a model of some of the views.
+#[derive(Clone, Copy, Debug)]
+struct SubsetResult {
+    /// PSNR over pixels that some view saw, holes filled, dB.
+    psnr_filled_db: MeanEstimate,
+    samples: u64,
+    bytes: u64,
+}
+
+/// The capture and the truth that subsets of its views are measured on.
+struct AccuracyTest {
+    fold: Fold,
+    settings: Settings,
+    /// Names of the views that are held out as truth.
+    left_out: Vec<String>,
+}
+
+impl AccuracyTest {
+    /// Loads the truth: the given views, or else some of the views that were not `chosen`. `None` if no view has a known pixel.
+    /// `capture` must be corrected already.
+    fn new(
+        capture: &Capture,
+        truth: &Truth,
+        chosen: &[usize],
+        settings: &Settings,
+        job: &Job,
+    ) -> Result<Option<Self>> {
+        let (rest, views, left_out) = match truth {
+            Truth::Views(views) => (capture.clone(), views.clone(), Vec::new()),
+            Truth::HoldOut => {
+                let others: Vec<usize> =
+                    (0..capture.cameras.len()).filter(|view| !chosen.contains(view)).collect();
+                let name = |nth: usize| capture.cameras[others[nth]].name.clone();
+                let left_out: Vec<String> = truth::evenly_spaced(others.len(), LEFT_OUT).map(name).collect();
+                let (rest, views) = truth::split(capture, &left_out)?;
+                (rest, views, left_out)
+            }
+        };
+        job.start("Loading the truth", views.len());
+        let views: Vec<TruthView> = truth::masked_one_by_one(&rest, views, job)?;
+        let fold = Fold { held_out: None, capture: rest, classes: vec![None; views.len()], views };
+        let is_any = !fold.views.is_empty();
+        Ok(is_any.then(|| Self { fold, settings: settings.clone(), left_out }))
+    }
+
+    /// Number of views that a model may be made of.
+    fn views(&self) -> usize {
+        self.fold.capture.cameras.len()
+    }
+
+    /// Measures a model of the named views; without names, of all views that are not held out.
+    fn of(&self, names: Option<Vec<String>>, job: &Job) -> Result<SubsetResult> {
+        let trial = Trial { cameras: names, ..Trial::new("fewer views", self.settings.clone()) };
+        // Each subset is a capture of its own: nothing of the one before can be used again.
+        let result = Workbench::on(vec![self.fold.clone()], &self.settings).measure(&trial, job)?;
+        let of_vantage = |views: &Vec<(String, crate::metrics::Scores)>| {
+            views.iter().map(|(_, scores)| scores.psnr_all_db).collect()
+        };
+        let vantages: Vec<Vec<f64>> = result.vantages.iter().map(of_vantage).collect();
+        Ok(SubsetResult {
+            psnr_filled_db: MeanEstimate::over_vantages(&vantages),
+            samples: result.samples,
+            bytes: result.bytes,
+        })
+    }
+}

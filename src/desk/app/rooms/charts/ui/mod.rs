@@ -9,27 +9,28 @@ use egui::{Button, Checkbox, Color32, Frame, Grid, Id, Modal, RichText, ScrollAr
 use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
+use super::state::axis::{
+    FRONT, Quantity, START, ShownAxis, TICKS, coordinate, kernel_name, method_name, place, point_name,
+    series_name, settings_alone,
+};
+use super::state::{Charts, Study, StudyChoice};
 use crate::app::camera_cues;
 use crate::app::model::command::{ChartCommand, SettingsCommand};
 use crate::app::model::purpose::Table;
 use crate::app::model::{self, Command, Commands, State, sentence};
-use crate::app::rooms::charts::state::axis::{
-    FRONT, Quantity, START, ShownAxis, TICKS, coordinate, kernel_name, method_name, place, point_name,
-    series_name, settings_alone,
-};
-use crate::app::rooms::charts::state::{Charts, Study, StudyChoice};
-use crate::app::rooms::charts::ui::parts::{
-    HINT, Mark, chart_buttons_ui, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape,
-    study_button, tick_values,
-};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, one_line, segments_ui, table_buttons_ui, weak};
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::{Kernel, Settings};
-use overlook_lab::chart::{ChartSeries, Marker, Scale, series};
+use overlook_lab::chart::axis::series;
+use overlook_lab::chart::{ChartSeries, Marker, Scale};
 use overlook_lab::stress::{StressPlan, StressPoint, distinct};
 use overlook_lab::sweep::{Point, Series};
 use overlook_lab::trial::Fineness;
+use parts::{
+    HINT, Mark, chart_buttons_ui, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape,
+    study_button, tick_values,
+};
 
 /// Name of the ring in the chart.
 const CURRENT: &str = "current";
