@@ -19,9 +19,8 @@ use crate::capture::{Camera, Capture, CaptureParts, Frame, FrameSource, TruthVie
 use crate::error::{Error, Result};
 use crate::settings::CaptureSettings;
 use scenes::SceneCameras;
-use tracer::trace::WantedPlanes;
 pub use tracer::with_render_noise;
-use tracer::{RenderNoise, World, WorldBuilder};
+use tracer::{RenderNoise, WantedPlanes, World, WorldBuilder};
 
 /// Names and one-line descriptions of the built-in scenes, the default first.
 pub const SCENES: &[(&str, &str)] = &[
@@ -253,7 +252,7 @@ impl Demo {
 
     fn picture(&self, camera: &Camera, frame: usize, noise: Option<RenderNoise>) -> Frame {
         let wanted = WantedPlanes { antialiased: self.scene.antialiased, normals: self.scene.normals, noise };
-        tracer::trace::picture(&self.scene.world(frame as f64 / self.frames as f64), camera, wanted)
+        tracer::picture(&self.scene.world(frame as f64 / self.frames as f64), camera, wanted)
     }
 }
 

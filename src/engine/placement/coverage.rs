@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::depth_map::seen_from;
-use super::poses::{poses, targets, turned};
+use super::stands::{poses, targets, turned};
 use super::surfels::{FINEST, Moment, Surfel};
 use crate::capture::{Camera, CoveredSet, Intrinsics};
 use crate::error::Result;

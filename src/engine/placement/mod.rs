@@ -17,7 +17,6 @@
 
 mod coverage;
 mod depth_map;
-mod poses;
 mod stands;
 mod surfels;
 

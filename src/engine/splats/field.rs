@@ -4,20 +4,20 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
 
 use super::gaussian::{Gaussian, Look};
 use super::normals::normals;
-use super::options::{SplatAmount, SplatSky};
-use super::sky::dome;
 use super::space::Space;
+use super::{SplatAmount, SplatSky};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::page::{Coarsening, LeveledImage};
 use crate::plural::counted;
+use crate::render::sky_map;
 use crate::samples::{PlacedSample, SampleImage, SampleSet, Span, halved_camera};
 
 /// World units beyond which a sample counts as one at infinity: squares of its coordinates leave single precision not much farther off.
@@ -232,5 +232,124 @@ pub(super) fn of_frame(set: &SampleSet, frame: usize) -> SampleSet {
         settings: set.settings.clone(),
         images: images.collect(),
         values: Vec::new(),
+    }
+}
+
+/// Splats of the dome, two degrees apart: as fine as the sky is known.
+const SPLATS: usize = 10_000;
+
+/// Width of a splat over its distance from the next: narrower ones let what is behind them show through between them.
+const OVERLAP: f64 = 2.0;
+
+/// The dome is this many times as far off as the farthest sample.
+const DISTANCE: f64 = 8.0;
+
+/// A turn by the golden angle, radians: points on a spiral by it lie evenly on the sphere.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+/// The sky at the first frame, continued into all directions, around the middle of the cameras; nothing where no sample is at infinity.
+/// Samples farther off than `farthest`, in world units, count as such.
+///
+/// # Errors
+/// Those of the sky's map.
+pub(super) fn dome(set: &SampleSet, farthest: f64, space: &Space) -> Result<Vec<Gaussian>> {
+    let directions: Vec<DVec3> = (0..SPLATS)
+        .map(|nth| {
+            let z = 1.0 - (2 * nth + 1) as f64 / SPLATS as f64;
+            let (sin, cos) = (nth as f64 * GOLDEN_ANGLE).sin_cos();
+            let across = (1.0 - z * z).sqrt();
+            DVec3::new(across * cos, across * sin, z)
+        })
+        .collect();
+    let looked: Vec<Vec3> =
+        directions.iter().map(|direction| direction.as_vec3().normalize_or_zero()).collect();
+    let Some(colors) = sky_map(set, 0, &looked)? else { return Ok(Vec::new()) };
+    let count = set.cameras.len().max(1) as f64;
+    let middle = set.cameras.iter().map(|camera| camera.position_in_world() / count).sum::<DVec3>();
+    let radius = DISTANCE * reach(set, middle, farthest);
+    let width = OVERLAP * radius * (4.0 * std::f64::consts::PI / SPLATS as f64).sqrt();
+    let splats = directions.into_iter().zip(colors);
+    let splats = splats.map(|(direction, color)| {
+        Gaussian::facing(middle + direction * radius, -direction, width, color, space)
+    });
+    Ok(splats.collect())
+}
+
+/// How far the farthest sample is from a point.
+fn reach(set: &SampleSet, middle: DVec3, farthest: f64) -> f64 {
+    let points = set.images.iter().flat_map(|image| image.placed(&set.cameras[image.camera as usize]));
+    let near = points.filter(|placed| placed.depth < farthest);
+    near.map(|placed| placed.point_in_world.distance(middle)).fold(0.0, f64::max)
+}
+
+/// Flat Gaussians in world space, one entry of each list a splat.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SplatArrays {
+    /// World units.
+    pub center_in_world: Vec<[f64; 3]>,
+    /// Unit quaternions `w x y z`, `w` not negative, from the axes of the Gaussian to those of the world; its third axis is the normal
+    /// of the surface, on the side that was seen.
+    pub rotation: Vec<[f32; 4]>,
+    /// Standard deviations along its three axes, world units, above 0; the first is the longest, the third is along the normal.
+    pub scale: Vec<[f32; 3]>,
+    /// Linear Rec.709, 0 to 1.
+    pub color: Vec<[f32; 3]>,
+    /// 0 to 1.
+    pub opacity: Vec<f32>,
+}
+
+/// The splats of a frame, by its index, in the order of the samples, then those of the sky; none where no sample has a place.
+///
+/// # Errors
+/// `Invalid` where so few splats cannot be had; `Cancelled`.
+pub fn arrays(set: &SampleSet, frame: usize, amount: SplatAmount, job: &Job) -> Result<SplatArrays> {
+    let set = of_frame(set, frame);
+    let mut arrays = SplatArrays::default();
+    let has_place = set.images.iter().any(|image| image.placed_count() > 0);
+    if !has_place {
+        return Ok(arrays);
+    }
+    let field = Field::new(&set, Space::of_world(&set), amount, job)?;
+    for span in &field.spans {
+        for splat in field.splats(span, job)? {
+            let center = splat.center.as_dvec3() + field.space.origin_in_world;
+            let turned = splat.rotation;
+            arrays.center_in_world.push(center.to_array());
+            arrays.rotation.push([turned.w, turned.x, turned.y, turned.z]);
+            arrays.scale.push(splat.radii.to_array());
+            arrays.color.push(splat.color);
+            arrays.opacity.push(splat.opacity);
+        }
+    }
+    Ok(arrays)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::preprocess::preprocess;
+    use crate::settings::Settings;
+
+    #[test]
+    fn splats_lie_at_the_samples_of_the_frame_and_fewer_are_had_where_fewer_are_asked_for() {
+        let demo = Demo::new(&DemoSpec::new("orrery").size((96, 72)).cameras(2).frames(4)).unwrap();
+        let settings = Settings::default();
+        let set = preprocess(&demo.capture(&settings.capture), &settings, &Job::new()).unwrap().samples;
+        let amount = SplatAmount { at_most: None, sky: SplatSky::Out };
+        let found = arrays(&set, 2, amount, &Job::new()).unwrap();
+        let images = set.images_at(2).filter(|image| !image.is_empty());
+        let expected: Vec<_> =
+            images.flat_map(|image| image.placed(&set.cameras[image.camera as usize])).collect();
+        assert_eq!(found.center_in_world.len(), expected.len());
+        for (center, placed) in found.center_in_world.iter().zip(&expected) {
+            assert!((DVec3::from(*center) - placed.point_in_world).length() < 1e-5);
+        }
+        let lengths = found.rotation.iter().map(|q| q.iter().map(|part| part * part).sum::<f32>());
+        assert!(lengths.into_iter().all(|length| (length - 1.0).abs() < 1e-5));
+        assert!(found.scale.iter().all(|[longer, shorter, flat]| longer >= shorter && shorter > flat));
+        let half = expected.len() as u64 / 2;
+        let few = arrays(&set, 2, SplatAmount { at_most: Some(half), ..amount }, &Job::new()).unwrap();
+        assert!(few.opacity.len() as u64 <= half && few.opacity.len() > expected.len() / 8);
     }
 }

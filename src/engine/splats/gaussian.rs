@@ -7,6 +7,7 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::space::Space;
 use crate::capture::Camera;
+use crate::color::srgb_from_linear;
 use crate::samples::PlacedSample;
 
 /// Standard deviation of a Gaussian along an axis, as a share of the width of its pixel on the surface. Measured at three true pictures of a
@@ -128,6 +129,24 @@ fn ellipse(sides: [DVec3; 2], normal: DVec3) -> Ellipse {
     }
 }
 
+/// The spherical harmonic of degree 0, the same in all directions: ½ √(1/π).
+const DEGREE_0: f32 = 0.282_094_8;
+
+/// The coefficient of degree 0 that shows a linear color on a display: splats are blended as sRGB-encoded values.
+pub(super) fn coefficients(linear: [f32; 3]) -> [f32; 3] {
+    linear.map(|channel| (srgb_from_linear(channel) - 0.5) / DEGREE_0)
+}
+
+/// The sRGB-encoded byte of a linear channel's coefficient, as SPZ packs it: its unit is 0.15 of a coefficient.
+pub(super) fn packed(linear: [f32; 3]) -> [u8; 3] {
+    coefficients(linear).map(|coefficient| byte(coefficient * 0.15 * 255.0 + 127.5))
+}
+
+/// The nearest byte.
+pub(super) fn byte(value: f32) -> u8 {
+    (value + 0.5).clamp(0.0, 255.0) as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -221,5 +240,13 @@ mod tests {
         assert!((in_camera(turned.rotation * Vec3::Z) - DVec3::NEG_Z).length() < 1e-6);
         // Nothing is lost where a surface touches the lens.
         assert!(gaussian(DVec2::new(100.0, 50.0), 1e-44, DVec3::NEG_Z).radii.min_element() > 0.0);
+    }
+
+    #[test]
+    fn black_middle_gray_and_white_have_the_coefficients_that_viewers_turn_back() {
+        let middle = crate::color::linear_from_srgb(0.5);
+        let [black, gray, white] = coefficients([0.0, middle, 1.0]);
+        assert!((black + 1.772_454).abs() < 1e-5 && gray.abs() < 1e-5 && (white - 1.772_454).abs() < 1e-5);
+        assert_eq!(packed([0.0, middle, 1.0]), [60, 128, 195]);
     }
 }

@@ -8,10 +8,9 @@ use std::io::Write;
 use glam::Vec3;
 use serde_json::{Value, json};
 
-use super::color::coefficients;
+use super::Timing;
 use super::field::{Field, SpanSplats};
-use super::gaussian::Gaussian;
-use super::timing::Timing;
+use super::gaussian::{Gaussian, coefficients};
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::Span;

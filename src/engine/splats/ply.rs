@@ -7,8 +7,7 @@ use std::io::{self, Write};
 
 use glam::{DVec3, Vec3};
 
-use super::color::coefficients;
-use super::gaussian::Gaussian;
+use super::gaussian::{Gaussian, coefficients};
 
 /// Floats of a splat, in their order.
 const PROPERTIES: [&str; 17] = [

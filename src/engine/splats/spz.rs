@@ -6,8 +6,7 @@
 
 use glam::Quat;
 
-use super::color::{byte, packed};
-use super::gaussian::Gaussian;
+use super::gaussian::{Gaussian, byte, packed};
 use crate::error::{Error, Result};
 use crate::page::gzipped;
 

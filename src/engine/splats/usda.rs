@@ -5,10 +5,9 @@
 use std::fmt::Display;
 use std::io::{self, Write};
 
-use super::color::coefficients;
+use super::Timing;
 use super::field::{Field, SpanSplats};
-use super::gaussian::Gaussian;
-use super::timing::Timing;
+use super::gaussian::{Gaussian, coefficients};
 use crate::error::{Error, Result};
 use crate::job::Job;
 

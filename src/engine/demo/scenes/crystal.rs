@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
-use super::camera_arcs::{SceneCameras, vantage};
-use super::materials::rgb;
+use super::props::rgb;
+use super::{SceneCameras, vantage};
 use crate::demo::tracer::{Backdrop, Light, Material, WorldBuilder, sphere};
 use crate::random::{mix, uniform_pair};
 

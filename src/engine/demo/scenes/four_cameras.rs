@@ -8,9 +8,8 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3, DVec4, Vec3};
 
-use super::camera_arcs::{SceneCameras, vantage};
-use super::materials::{brass, dark_brass, marble, plaster, rgb, slate, turned_wood, two_tone, walnut};
-use super::props;
+use super::props::{self, brass, dark_brass, marble, plaster, rgb, slate, turned_wood, two_tone, walnut};
+use super::{SceneCameras, vantage};
 use crate::demo::tracer::{
     Backdrop, Light, Material, Pattern, SolidShape, WorldBuilder, block, cone, cylinder, hash, sphere, torus,
     upright_to,

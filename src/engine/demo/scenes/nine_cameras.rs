@@ -5,11 +5,10 @@ use std::f64::consts::TAU;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::camera_arcs::{SceneCameras, vantage};
-use super::materials::{
-    brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, two_tone, walnut,
+use super::props::{
+    self, brass, dark_brass, map_canvas, marble, oak, plaster, rgb, turned_wood, two_tone, walnut,
 };
-use super::props;
+use super::{SceneCameras, vantage};
 use crate::demo::tracer::{
     Backdrop, Light, Material, Pattern, WorldBuilder, block, cone, cylinder, sphere, torus,
 };

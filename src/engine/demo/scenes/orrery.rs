@@ -4,11 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::camera_arcs::{SceneCameras, vantage};
-use super::materials::{
-    brass, brick, dark_brass, map_canvas, marble, plaster, slate, turned_wood, two_tone, walnut,
+use super::props::{
+    self, brass, brick, dark_brass, map_canvas, marble, plaster, slate, turned_wood, two_tone, walnut,
 };
-use super::props;
+use super::{SceneCameras, vantage};
 use crate::demo::tracer::{
     Backdrop, Lamp, Light, Material, Pattern, SolidShape, WorldBuilder, block, cone, cylinder, sphere, torus,
 };

@@ -11,16 +11,16 @@ mod model;
 mod neighborhood;
 mod plane_model;
 mod rans;
-mod table_fit;
-mod value_coders;
 mod value_traversal;
 
 pub(crate) use block_traversal::{BlockShape, BlockTraversal, Coder};
-pub(crate) use coders::{ModelReader, ModelWriter, PlainReader, PlainWriter, TokenCounter};
+pub(crate) use coders::{
+    ModelReader, ModelWriter, PlainReader, PlainWriter, TokenCounter, ValueCounter, ValueCounts, ValueReader,
+    ValueWriter,
+};
 pub(crate) use model::{Counts, FrequencyTables};
 pub(crate) use neighborhood::{BLOCK, BlockPixels, cell};
 pub(crate) use plane_model::PlaneModel;
-pub(crate) use value_coders::{ValueCounter, ValueCounts, ValueReader, ValueWriter};
 pub(crate) use value_traversal::{
     ChannelCoding, VALUE_CONTEXTS, VALUE_TOKENS, ValuePixels, ValuePredictor, ValueScale, traverse_values,
 };

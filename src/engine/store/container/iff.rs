@@ -14,7 +14,7 @@
 
 use std::io::{self, Seek, SeekFrom, Write};
 
-use super::source::ReadAt;
+use super::ReadAt;
 
 use crate::plural::{counted, either};
 

@@ -1,15 +1,26 @@
 //! The chunks that say what a store holds, found and read before any image.
+//!
+//! The report of a store, deflated where it is long.
+//!
+//! Purpose: a report says something of each camera, so that of hundreds of small views it would be longer than their samples. Source: zlib
+//! (RFC 1950). What differs: a short report stays as it is, so that other programs read it without inflating it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::header::{VERSION, WITH_DOUBTFUL, WITH_PROJECTIONS, WITH_VALUES, decode_version};
+use libdeflater::{CompressionLvl, Compressor, Decompressor};
+
+use super::header::{ImageEntry, VERSION, WITH_DOUBTFUL, WITH_PROJECTIONS, WITH_VALUES, decode_version};
+use crate::capture::Camera;
 use crate::error::{Error, Result};
+use crate::plural::counted;
+use crate::samples::{TILE, TILE_SAMPLES};
 use crate::settings::Settings;
 use crate::store::container::{
-    CHECKSUM, CHUNK_HEADER, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, HEAD, INDEX, IffError, LONG_REPORT,
-    MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, VALUES,
+    ByteReader, CHECKSUM, CHUNK_HEADER, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, HEAD, INDEX, IffError,
+    LONG_REPORT, MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, VALUES, push_varint,
 };
+use crate::store::image::DoubtfulRuns;
 
 /// The payloads of the chunks that say what a store holds.
 pub(crate) struct InfoChunks {
@@ -115,5 +126,149 @@ pub(crate) fn from_iff(path: &Path, error: IffError) -> Error {
             "one image would take more than 4 GiB; preprocess smaller pictures",
         ),
         error @ IffError::Malformed { .. } => Error::invalid(path.display(), error.to_string()),
+    }
+}
+
+/// The payload for the runs of images, by their place in the index, ascending.
+pub(crate) fn encode_doubtful(images: &[(usize, DoubtfulRuns)]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut next = 0;
+    for (index, runs) in images {
+        push_varint(&mut bytes, (index - next) as u64);
+        next = index + 1;
+        let lengths = runs.lengths();
+        push_varint(&mut bytes, lengths.len() as u64);
+        lengths.for_each(|length| push_varint(&mut bytes, u64::from(length)));
+    }
+    bytes
+}
+
+/// The runs of images, by their place in the index.
+pub(crate) fn decode_doubtful(
+    payload: &[u8],
+    images: &[ImageEntry],
+    cameras: &[Camera],
+) -> Result<BTreeMap<usize, DoubtfulRuns>, String> {
+    let mut reader = ByteReader::new(payload);
+    let mut all = BTreeMap::new();
+    let mut next = 0_usize;
+    while !reader.rest.is_empty() {
+        let index = next.saturating_add(reader.varint()? as usize);
+        let entry = images.get(index).ok_or_else(|| format!("there is no image {index}"))?;
+        next = index + 1;
+        let (width, height) = cameras[entry.camera as usize].intrinsics.size();
+        let pixels = width.div_ceil(TILE) * height.div_ceil(TILE) * TILE_SAMPLES;
+        let count = reader.varint()?;
+        // A run takes a byte at least.
+        if count > reader.rest.len() as u64 {
+            return Err("the chunk is too short".to_owned());
+        }
+        all.insert(index, DoubtfulRuns::from_lengths((0..count).map(|_| reader.varint()), pixels)?);
+    }
+    Ok(all)
+}
+
+/// Shorter reports stay as they are, bytes.
+const LONG: usize = 1 << 16;
+
+/// What readers find in place of a long report where they do not know the chunk that holds it.
+pub(super) const EMPTY: &str = "{}";
+
+/// Deflate makes at most this many bytes of one.
+const MOST_PER_BYTE: usize = 1032;
+
+/// Bytes before the deflated report: a `u32`, its length once inflated.
+const LENGTH: usize = 4;
+
+/// The payload of the chunk that holds a report (JSON); `None` for one that stays as it is.
+pub(super) fn packed(report: &str) -> Option<Vec<u8>> {
+    let length = u32::try_from(report.len()).ok().filter(|_| report.len() >= LONG)?;
+    let mut compressor = Compressor::new(CompressionLvl::best());
+    let mut payload = vec![0; LENGTH + compressor.zlib_compress_bound(report.len())];
+    payload[..LENGTH].copy_from_slice(&length.to_be_bytes());
+    let bytes = compressor.zlib_compress(report.as_bytes(), &mut payload[LENGTH..]).ok()?;
+    payload.truncate(LENGTH + bytes);
+    Some(payload)
+}
+
+/// The report in such a payload.
+///
+/// # Errors
+/// What is wrong with the payload.
+pub(super) fn unpacked(payload: &[u8]) -> Result<String, String> {
+    let (length, deflated) = payload.split_first_chunk::<LENGTH>().ok_or("it is too short")?;
+    let length = u32::from_be_bytes(*length) as usize;
+    if length > deflated.len().saturating_mul(MOST_PER_BYTE) {
+        return Err(format!("{} cannot hold {length}", counted(deflated.len(), "byte")));
+    }
+    let mut report = vec![0; length];
+    let bytes = Decompressor::new().zlib_decompress(deflated, &mut report);
+    let bytes = bytes.map_err(|error| format!("it cannot be inflated: {error}"))?;
+    if bytes != length {
+        return Err(format!("it holds {} in place of {length}", counted(bytes, "byte")));
+    }
+    String::from_utf8(report).map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Intrinsics;
+    use crate::samples::Span;
+    use glam::DVec3;
+
+    #[test]
+    fn runs_come_back_for_the_images_that_have_some_and_what_names_no_image_is_refused() {
+        let lens = Intrinsics::from_horizontal_angle(40, 20, 1.0);
+        let cameras = [Camera::look_at("c", lens, DVec3::ZERO, DVec3::Y, DVec3::Z)];
+        let entry = ImageEntry {
+            camera: 0,
+            span: Span { start: 0, end: 1 },
+            samples: 1,
+            tiles: 1,
+            reference: None,
+            offset: 0,
+            length: 0,
+            head: 0,
+        };
+        let images = vec![entry; 5];
+        let runs =
+            |lengths: &[u64]| DoubtfulRuns::from_lengths(lengths.iter().copied().map(Ok), 1536).unwrap();
+        let written = [(1, runs(&[0, 300])), (3, runs(&[7, 1, 1000]))];
+        let bytes = encode_doubtful(&written);
+        assert_eq!(decode_doubtful(&bytes, &images, &cameras).unwrap(), BTreeMap::from(written));
+        assert_eq!(decode_doubtful(&[], &images, &cameras).unwrap(), BTreeMap::new());
+        assert!(decode_doubtful(&bytes, &images[..3], &cameras).unwrap_err().contains("no image 3"));
+        for cut in 1..bytes.len() {
+            let _ = decode_doubtful(&bytes[..cut], &images, &cameras);
+        }
+        assert!(decode_doubtful(&[0, 0xff, 0xff, 0x7f], &images, &cameras).is_err());
+    }
+
+    fn long() -> String {
+        let numbers: Vec<String> = (0..20_000).map(|number| (number * number % 9973).to_string()).collect();
+        format!("{{\"numbers\":[{}]}}", numbers.join(","))
+    }
+
+    #[test]
+    fn a_long_report_takes_less_and_comes_back_and_a_short_one_stays() {
+        let report = long();
+        let payload = packed(&report).unwrap();
+        assert!(2 * payload.len() < report.len());
+        assert_eq!(unpacked(&payload).unwrap(), report);
+        assert_eq!(packed(&report[..LONG - 1]), None);
+    }
+
+    #[test]
+    fn a_damaged_payload_is_an_error_and_makes_no_large_buffer() {
+        let payload = packed(&long()).unwrap();
+        for cut in [0, 3, 4, 5, payload.len() / 2, payload.len() - 1] {
+            assert!(unpacked(&payload[..cut]).is_err(), "{cut}");
+        }
+        let mut lies = payload.clone();
+        lies[..LENGTH].fill(0xff);
+        assert!(unpacked(&lies).unwrap_err().contains("cannot hold"));
+        lies[..LENGTH].copy_from_slice(&70_000_u32.to_be_bytes());
+        assert!(unpacked(&lies).is_err());
     }
 }

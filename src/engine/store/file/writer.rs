@@ -11,11 +11,10 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::chunks::from_iff;
-use super::doubtful::encode_doubtful;
-use super::header::{ImageEntry, check_held_once, choose_references, encode_head, encode_index};
-use super::provenance::{PlaneBytes, Provenance};
-use super::report_chunk;
+use super::chunks::{EMPTY, encode_doubtful, from_iff, packed};
+use super::header::{
+    ImageEntry, PlaneBytes, Provenance, check_held_once, choose_references, encode_head, encode_index,
+};
 use super::value_chunks::ValueTable;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -146,8 +145,8 @@ impl Input<'_> {
         let mut form = FormWriter::new(target, STORE).map_err(iff)?;
         form.chunk(HEAD, &head).map_err(iff)?;
         form.chunk(SETTINGS, samples.settings.to_toml().as_bytes()).map_err(iff)?;
-        let long_report = report_chunk::packed(&extras.report);
-        let report = if long_report.is_some() { report_chunk::EMPTY } else { &extras.report };
+        let long_report = packed(&extras.report);
+        let report = if long_report.is_some() { EMPTY } else { &extras.report };
         form.chunk(REPORT, report.as_bytes()).map_err(iff)?;
         if let Some(payload) = long_report {
             form.chunk(LONG_REPORT, &payload).map_err(iff)?;
