@@ -1,8 +1,34 @@
-//! Warnings about cameras that do not agree: one with the others, or none with any.
+//! Warnings about cameras whose pose, clock or depth does not fit the others, and what each takes for wrong.
 
 use super::pair_residuals::{PairResiduals, Residual};
 use super::pair_table::PairTable;
 use crate::median::median_f32;
+
+/// What a warning takes for wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Suspect {
+    /// The pose of one camera, or its lens.
+    Pose,
+    /// When one camera's frames were taken.
+    Clock,
+    /// How the depth of all cameras is read, or their lens or poses.
+    Depth,
+    /// The space of given normals.
+    Normals,
+}
+
+impl Suspect {
+    /// In a word or two.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pose => "Pose error",
+            Self::Clock => "Time offset",
+            Self::Depth => "Depth or poses of all cameras",
+            Self::Normals => "Normals",
+        }
+    }
+}
 
 /// A camera that fits no other as well as the others fit each other.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::frame::FrameInspection;
+use super::FrameInspection;
 use super::pixel_report::{CameraEvidence, PairQuantities};
 use crate::capture::Camera;
 use crate::capture::overlap::OverlapGraph;

@@ -7,8 +7,8 @@
 //! Source: the verdict comes from the rules of [`crate::preprocess::pruning`] (`decision.rs`) and the single-precision outcomes of
 //! [`crate::preprocess::registration`]. What differs: the numbers beside them are for display, in double precision.
 
+use super::FrameInspection;
 use super::explained_sample::ExplainedSample;
-use super::frame::FrameInspection;
 use super::pixel_report::{ChainLink, PairQuantities, PixelExplanation};
 use crate::capture::overlap::OverlapGraph;
 use crate::preprocess::agreement::VoteTest;

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::frame::FrameInspection;
+use super::FrameInspection;
 use crate::capture::overlap::OverlapGraph;
 use crate::color::steps_from_linear;
 use crate::grid::Grid;

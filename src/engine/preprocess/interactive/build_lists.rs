@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::candidate::{Codes, ListedCandidate, codes, codes_of};
 use super::candidate_lists::{
-    BandCandidates, COUNT, CandidateLists, IS_MIXED, ToleranceRange, least_tolerant, most_tolerant,
+    BandCandidates, COUNT, CandidateLists, Codes, IS_MIXED, ListedCandidate, ToleranceRange, codes, codes_of,
+    least_tolerant, most_tolerant,
 };
 use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;

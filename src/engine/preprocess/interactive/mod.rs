@@ -5,7 +5,6 @@
 //! ```
 
 mod build_lists;
-mod candidate;
 mod candidate_lists;
 mod prepared_frame;
 mod replay;

@@ -4,8 +4,10 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use rayon::prelude::*;
 
-use super::candidate::{CandidateValidity, Codes, ListedCandidate, codes, tolerances};
-use super::candidate_lists::{BandCandidates, COUNT, CandidateLists, IS_MIXED};
+use super::candidate_lists::{
+    BandCandidates, COUNT, CandidateLists, CandidateValidity, Codes, IS_MIXED, ListedCandidate, codes,
+    tolerances,
+};
 use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;

@@ -3,9 +3,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::blended_pixels::BlendedTest;
-use super::flying_pixels::FlyingTest;
-use super::layer::CameraLayer;
+use super::CameraLayer;
+use super::flying_pixels::{BlendedTest, FlyingTest};
 use super::packed_sample::{BLENDED_SKY, MIXED, PackedColor, PackedGeometry, Rank, UNKNOWN_NORMAL};
 use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
 use crate::capture::Camera;

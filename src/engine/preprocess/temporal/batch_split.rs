@@ -1,14 +1,16 @@
 //! The spans within a batch of frames: a pixel that is not static over all of them goes down into halves until it is.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use half::f16;
 
-use super::batch::{BATCH, Batch};
 use super::pixel_stats::{FrameRun, direction, relative_range, summand};
 use super::span_store::SpanSamples;
 use super::span_tree::halves;
 use super::staticness::StaticTest;
 use super::value_ranges::are_static;
+use crate::capture::Frame;
 use crate::color::widened;
 use crate::samples::Span;
 use crate::simd::{self, LANES, VectorLoop};
@@ -261,4 +263,16 @@ fn mean_normal(runs: &[FrameRun<'_>], pixel: usize) -> Vec3 {
         (0..3).for_each(|axis| sums[axis] += summand(normal[axis]));
     }
     direction(sums)
+}
+
+/// Frames that are looked at together, at most: a power of two, so that a batch is a span of the tree.
+pub const BATCH: usize = 16;
+
+/// Frames that follow one another, and what becomes of their spans.
+pub(crate) struct Batch<'a> {
+    pub(crate) frames: &'a [Arc<Frame>],
+    pub(crate) span: Span,
+    pub(crate) test: &'a StaticTest,
+    pub(crate) carry: &'a [[Span; 2]],
+    pub(crate) is_last: bool,
 }

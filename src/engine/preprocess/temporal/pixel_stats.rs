@@ -6,11 +6,15 @@
 //! `summand` keeps as many of their digits as leave the same room.
 
 use glam::Vec3;
+use half::f16;
+use half::slice::HalfFloatSliceExt;
 
-use super::staticness::StaticTest;
+use super::staticness::{CHANNELS, StaticTest, color_range_steps};
 use super::value_ranges::ValueRanges;
 use crate::capture::{INVALID_INVERSE_DEPTH, Values};
-use crate::color::{WIDENING, widened_small};
+use crate::color::{self, WIDENING, widened_small};
+use crate::error::Result;
+use crate::samples::Record;
 use crate::simd::{self, VectorLoop};
 
 /// A frame from some pixel on, flat: color three to a pixel, inverse depth one, normals (where given) three.
@@ -340,13 +344,144 @@ impl VectorLoop for Merge<'_> {
     }
 }
 
+/// Range of color of every pixel, the widest of the three channels, 8-bit sRGB steps.
+pub(crate) fn color_ranges_steps(sums: &SpanSums) -> Vec<f32> {
+    let table = color::steps_table();
+    let (lows, highs) = (sums.min_color.as_chunks::<3>().0, sums.max_color.as_chunks::<3>().0);
+    lows.iter().zip(highs).map(|(low, high)| color_range_steps(table, low, high)).collect()
+}
+
+/// Range of color that is granted to every pixel, 8-bit sRGB steps.
+pub(crate) fn granted_color_steps(sums: &SpanSums, test: &StaticTest) -> Vec<f32> {
+    let (lows, highs) = (sums.min_color.as_chunks::<3>().0, sums.max_color.as_chunks::<3>().0);
+    lows.iter().zip(highs).map(|(low, high)| test.granted_within(*low, *high)).collect()
+}
+
+/// Range of inverse depth of every pixel as a share of its maximum, 0 to 1; infinite where some frame has no depth.
+pub(crate) fn depth_ranges_relative(sums: &SpanSums) -> Vec<f32> {
+    let ranges = sums.min_inverse_depth.iter().zip(&sums.max_inverse_depth);
+    ranges.map(|(farthest, nearest)| relative_range(*farthest, *nearest)).collect()
+}
+
+/// Mean color, linear.
+#[inline(always)]
+pub(crate) fn mean_color(sums: &SpanSums, pixel: usize) -> [f16; 3] {
+    let count = sums.frames as f32;
+    [0, 1, 2].map(|channel| f16::from_f32(sums.color[3 * pixel + channel] / count))
+}
+
+/// Writes [`mean_color`] and [`mean_inverse_depth`] of every pixel.
+pub(crate) fn write_means(sums: &SpanSums, color: &mut [[f16; 3]], inverse_depth: &mut [f32]) {
+    simd::run(Means { sums, color, inverse_depth });
+}
+
+/// Mean inverse depth; exactly what was recorded where that is the same in every frame.
+#[inline(always)]
+pub(crate) fn mean_inverse_depth(sums: &SpanSums, pixel: usize) -> f32 {
+    let farthest = sums.min_inverse_depth[pixel];
+    if farthest == sums.max_inverse_depth[pixel] {
+        farthest
+    } else {
+        (sums.inverse_depth[pixel] / f64::from(sums.frames)) as f32
+    }
+}
+
+/// Mean direction of the given normals; `None` where the capture gives none.
+pub(crate) fn mean_normal(sums: &SpanSums, pixel: usize) -> Option<Vec3> {
+    Some(direction(*sums.normal.get(3 * pixel..)?.first_chunk()?))
+}
+
+struct Means<'a> {
+    sums: &'a SpanSums,
+    color: &'a mut [[f16; 3]],
+    inverse_depth: &'a mut [f32],
+}
+
+impl VectorLoop for Means<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { sums, color, inverse_depth } = self;
+        let frames = sums.frames as f32;
+        for (sums, halves) in sums.color.chunks(CHANNELS).zip(color.as_flattened_mut().chunks_mut(CHANNELS)) {
+            let mut means = [0.0; CHANNELS];
+            means.iter_mut().zip(sums).for_each(|(mean, sum)| *mean = sum / frames);
+            halves.convert_from_f32_slice(&means[..halves.len()]);
+        }
+        for (pixel, mean) in inverse_depth.iter_mut().enumerate() {
+            *mean = mean_inverse_depth(sums, pixel);
+        }
+    }
+}
+
+impl Record for SpanSums {
+    /// Frames, pixels, whether there are normals, and channels of values.
+    type RecordShape = (u32, usize, bool, usize);
+
+    fn bytes(&self) -> usize {
+        self.planes().iter().map(|plane| plane.len()).sum()
+    }
+
+    fn shape(&self) -> (u32, usize, bool, usize) {
+        (self.frames, self.pixels(), !self.normal.is_empty(), self.values.first.channels())
+    }
+
+    fn planes(&self) -> Vec<&[u8]> {
+        vec![
+            bytemuck::cast_slice(&self.is_open),
+            bytemuck::cast_slice(&self.min_color),
+            bytemuck::cast_slice(&self.max_color),
+            bytemuck::cast_slice(&self.color),
+            bytemuck::cast_slice(&self.min_inverse_depth),
+            bytemuck::cast_slice(&self.max_inverse_depth),
+            bytemuck::cast_slice(&self.inverse_depth),
+            bytemuck::cast_slice(&self.normal),
+            self.values.low.as_bytes(),
+            self.values.high.as_bytes(),
+            self.values.first.as_bytes(),
+        ]
+    }
+
+    fn read(
+        &(frames, pixels, normals, channels): &(u32, usize, bool, usize),
+        fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
+    ) -> Result<Self> {
+        let mut is_open = vec![0_u8; pixels];
+        let mut sums = Self {
+            frames,
+            is_open: Vec::new(),
+            min_color: vec![0; 3 * pixels],
+            max_color: vec![0; 3 * pixels],
+            color: vec![0.0; 3 * pixels],
+            min_inverse_depth: vec![0.0; pixels],
+            max_inverse_depth: vec![0.0; pixels],
+            inverse_depth: vec![0.0; pixels],
+            normal: vec![0.0; if normals { 3 * pixels } else { 0 }],
+            values: ValueRanges::missing(channels, pixels),
+        };
+        fill(&mut [
+            &mut is_open,
+            bytemuck::cast_slice_mut(&mut sums.min_color),
+            bytemuck::cast_slice_mut(&mut sums.max_color),
+            bytemuck::cast_slice_mut(&mut sums.color),
+            bytemuck::cast_slice_mut(&mut sums.min_inverse_depth),
+            bytemuck::cast_slice_mut(&mut sums.max_inverse_depth),
+            bytemuck::cast_slice_mut(&mut sums.inverse_depth),
+            bytemuck::cast_slice_mut(&mut sums.normal),
+            sums.values.low.as_bytes_mut(),
+            sums.values.high.as_bytes_mut(),
+            sums.values.first.as_bytes_mut(),
+        ])?;
+        sums.is_open = is_open.into_iter().map(|open| open != 0).collect();
+        Ok(sums)
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use half::f16;
-
     use super::*;
     use crate::color::widened;
-    use crate::preprocess::temporal::span_means::mean_color;
 
     #[test]
     fn sums_of_normals_are_the_same_in_any_order_and_those_of_equal_ones_point_where_they_do() {

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::batch::BATCH;
+use super::batch_split::BATCH;
 use super::range_histogram::RangeHistogram;
 use super::span_store::SpanStore;
 use super::span_tree::SpanTree;

@@ -21,15 +21,13 @@ use std::sync::Arc;
 use half::f16;
 use rayon::prelude::*;
 
-use super::batch::Batch;
-use super::batch_split::ShortSpans;
-use super::pixel_stats::{FrameRun, SpanSums};
+use super::batch_split::{Batch, ShortSpans};
+use super::pixel_stats::{
+    FrameRun, SpanSums, color_ranges_steps, depth_ranges_relative, granted_color_steps, mean_color,
+    mean_inverse_depth, mean_normal, write_means,
+};
 use super::prefilter::list_uncertain;
 use super::range_histogram::RangeHistogram;
-use super::span_means::{
-    color_ranges_steps, depth_ranges_relative, granted_color_steps, mean_color, mean_inverse_depth,
-    mean_normal, write_means,
-};
 use super::span_store::SpanSamples;
 use super::span_tree::SpanTree;
 use super::staticness::StaticTest;
@@ -137,7 +135,7 @@ impl Split {
         join(found.collect(), &batch, self.tree.root())
     }
 
-    /// Adds the frames that follow: [`BATCH`](super::batch::BATCH) of them, or a smaller power of two each time, and at the end the rest.
+    /// Adds the frames that follow: [`BATCH`](crate::preprocess::temporal::batch_split::BATCH) of them, or a smaller power of two each time, and at the end the rest.
     /// Gives the samples of the spans that are finished now.
     pub fn add(&mut self, frames: &[Arc<Frame>]) -> FinishedSpans {
         let span = Span { start: self.added, end: self.added + frames.len() as u32 };
@@ -346,7 +344,7 @@ mod tests {
     use super::*;
     use crate::demo::{Demo, DemoSpec};
     use crate::preprocess::noise::measure_pairs;
-    use crate::preprocess::temporal::batch::BATCH;
+    use crate::preprocess::temporal::batch_split::BATCH;
     use crate::settings::{CaptureSettings, SpanSettings};
     use crate::simd;
 

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::groups::{CameraBytes, CameraGroup, chunks_within, groups_within};
-use super::recording::Recording;
+use super::groups::{CameraBytes, CameraGroup, Recording, chunks_within, groups_within};
 use super::verdict_store::VerdictStore;
 use super::window::LayerWindow;
 use crate::capture::overlap::OverlapGraph;

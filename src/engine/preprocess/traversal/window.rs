@@ -6,8 +6,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::groups::LAYERS_AT_A_TIME;
-use super::recording::Recording;
+use super::groups::{LAYERS_AT_A_TIME, Recording};
 use crate::capture::overlap::OverlapGraph;
 use crate::error::Result;
 use crate::job::Job;
