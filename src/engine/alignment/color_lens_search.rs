@@ -4,19 +4,29 @@
 //! several focal lengths, since brightness has local minima; errors of the unknowns from the spread of what single cameras ask for
 //! (H. White, *A Heteroskedasticity-Consistent Covariance Matrix Estimator*, 1980). What differs: models of one, seven and nine
 //! unknowns are tried in turn, and each is kept only where pairs with cameras that took no part get better by it.
+//!
+//! Which samples of two cameras show one surface point, so that their colors determine the color lens.
+//!
+//! Purpose: see [`super::color_lens_search`]. Source: none; a sample counts where the other camera's depth confirms it.
+//!
+//! The share of each pair of cameras in the normal equations of a color lens.
+//!
+//! Purpose: see [`super::color_lens_search`]. Source: iteratively reweighted least squares with Tukey's biweight, whose width is
+//! measured pair by pair.
 
+use glam::DVec2;
 use rayon::prelude::*;
 
-use super::color_lens::{ColorLens, Matches, Sensing, UNKNOWNS};
-use super::color_lens_matches::{common, matches};
-use super::color_lens_shares::{LensEquations, shares};
-use super::judge::Judgment;
-use super::normal_equations::NormalEquations;
-use super::plausibility;
-use super::solver::{Problem, loss};
+use super::color_lens::{BrightnessDifference, ColorLens, Matches, Sensing, UNKNOWNS};
+use super::judge::{Judgment, is_of_one_device};
+use super::reference_view::ReferenceView;
+use super::solver::{NormalEquations, Problem, TUKEY, loss};
 use crate::capture::Intrinsics;
+use crate::capture::sighting::tolerances::NOISY_PIXEL;
+use crate::capture::sighting::{Sighting, compare};
 use crate::error::Result;
 use crate::job::Job;
+use crate::median::{MEDIAN_PER_SIGMA, median};
 
 /// Fewer cameras do not judge a lens that they share.
 pub(crate) const LEAST_CAMERAS: usize = 4;
@@ -106,7 +116,7 @@ pub(crate) fn find_color_lenses(problem: &Problem, job: &Job) -> Result<FoundLen
     }
     let distance = 1.0 / problem.scale.inverse_depth;
     let is_plausible =
-        |lens: &LensCorrection| plausibility::is_of_one_device(&lens.found.unknowns(&lens.claimed, distance));
+        |lens: &LensCorrection| is_of_one_device(&lens.found.unknowns(&lens.claimed, distance));
     let (kept, refused) = found.into_iter().partition(is_plausible);
     Ok(FoundLenses { kept, refused })
 }
@@ -389,4 +399,82 @@ fn spread(free: &[usize], values: &[f64]) -> [f64; UNKNOWNS] {
         all[*unknown] = *value;
     }
     all
+}
+
+/// Samples of the first camera that the second one's depth confirms. Beside edges of depth pictures tell most of a lens that is wrong:
+/// they count, unless the matches are to judge. What lies behind without depth never counts.
+pub(super) fn matches(problem: &Problem, pair: [usize; 2], judge: bool) -> Matches<'_> {
+    let views = pair.map(|camera| &problem.views[camera]);
+    let [own, other] = views;
+    let other_from_own = other.camera.camera_from_world() * own.camera.world_from_camera;
+    let confirmed = problem.samples[pair[0]].iter().filter_map(|sample| {
+        let point = own.camera.intrinsics.ray_in_camera(sample.pixel) / sample.inverse_depth;
+        let there = other_from_own.transform_point3(point);
+        let image = other.camera.intrinsics.project(there)?;
+        let levels = if judge {
+            sample.pure_levels.min(other.pure_levels_at(image))
+        } else {
+            own.measured_levels_at(sample.pixel).min(other.measured_levels_at(image))
+        };
+        is_confirmed(other, image, there.z).then_some(([point, there], levels))
+    });
+    let (points, levels) = confirmed.unzip();
+    Matches { views, points, levels }
+}
+
+/// Whether the view has this depth at an image position, away from edges and from what moves.
+fn is_confirmed(view: &ReferenceView, image: DVec2, depth: f64) -> bool {
+    let surface = view.surface_at(image);
+    surface.is_some_and(|(_, _, here)| compare(here, depth, NOISY_PIXEL) == Sighting::Same)
+}
+
+/// The values of differences at the same matches, which are in order.
+pub(super) fn common(before: &[BrightnessDifference], after: &[BrightnessDifference]) -> Vec<[f64; 2]> {
+    let mut after = after.iter().peekable();
+    let mut both = Vec::with_capacity(before.len());
+    for own in before {
+        while after.next_if(|other| other.match_index < own.match_index).is_some() {}
+        if let Some(other) = after.next_if(|other| other.match_index == own.match_index) {
+            both.push([own.value, other.value]);
+        }
+    }
+    both
+}
+
+/// The weight of one match: neighbors are not independent, and a wrong pose is wrong for all matches of a pair.
+const INDEPENDENT: f64 = 0.05;
+/// Standard deviations of differences are never taken for less.
+const LEAST_SIGMA: f64 = 0.05;
+
+/// One pair's share of the normal equations of all unknowns. The lower triangle counts.
+pub(super) struct LensEquations {
+    pub(super) matrix: [[f64; UNKNOWNS]; UNKNOWNS],
+    pub(super) right: [f64; UNKNOWNS],
+}
+
+/// The shares of all pairs, in their order.
+pub(super) fn shares(pairs: &[Matches], lens: &ColorLens, sensing: &Sensing) -> Vec<LensEquations> {
+    pairs.par_iter().map(|pair| share(&pair.differences(lens, sensing))).collect()
+}
+
+fn share(differences: &[BrightnessDifference]) -> LensEquations {
+    let mut share = LensEquations { matrix: [[0.0; UNKNOWNS]; UNKNOWNS], right: [0.0; UNKNOWNS] };
+    let mut sizes: Vec<f64> = differences.iter().map(|difference| difference.value.abs()).collect();
+    let Some(middle) = median(&mut sizes) else { return share };
+    let sigma = (middle / MEDIAN_PER_SIGMA).max(LEAST_SIGMA);
+    for BrightnessDifference { value, by_unknown, .. } in differences {
+        let relative = value / (TUKEY * sigma);
+        if relative.abs() >= 1.0 {
+            continue;
+        }
+        let weight = INDEPENDENT * (1.0 - relative * relative).powi(2) / (sigma * sigma);
+        for row in 0..UNKNOWNS {
+            let weighted = weight * by_unknown[row];
+            for column in 0..=row {
+                share.matrix[row][column] += weighted * by_unknown[column];
+            }
+            share.right[row] -= weighted * value;
+        }
+    }
+    share
 }

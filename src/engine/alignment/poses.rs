@@ -3,13 +3,10 @@
 use glam::{DAffine3, DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::judge::{Judgment, PoseJudgment};
-use super::normal_equations::eigen;
-use super::plausibility;
+use super::judge::{Judgment, PoseJudgment, is_of_a_rig};
 use super::reference_view::LEVELS;
-use super::regions::RegionShares;
-use super::residuals::{GAIN, UNKNOWNS};
-use super::solver::{Problem, SolverStage, Weighing, make_rigid, moved};
+use super::residuals::{GAIN, RegionShares, UNKNOWNS};
+use super::solver::{Problem, SolverStage, Weighing, eigen, make_rigid, moved};
 use super::surface_samples::has_noisy_depth;
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
@@ -213,7 +210,7 @@ impl Problem {
             let is_known = weakest.sqrt() * inflated < WEAK.max(0.3 * footprints);
             let is_wanted = alone.may_pay() && in_all.pays_for_one() && footprints > LEAST_MOVE;
             let change = claimed[camera].inverse() * now[camera];
-            let is_plausible = plausibility::is_of_a_rig(&change, self.scale.inverse_depth);
+            let is_plausible = is_of_a_rig(&change, self.scale.inverse_depth);
             PoseCorrection {
                 kept: is_wanted && is_known && is_plausible,
                 is_weak: is_wanted && !is_known,

@@ -29,7 +29,6 @@ mod input;
 mod magnified;
 mod orthographic;
 mod painter;
-mod recorded_rates;
 mod renderer;
 mod resolve;
 mod splat;

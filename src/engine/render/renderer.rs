@@ -4,13 +4,12 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::coarser_samples::CoarserSamples;
+use super::coarser_samples::{CoarserSamples, RecordedRates};
 use super::cpu::CpuRenderer;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::magnified::{COARSEST, by_levels, coarsest_level};
 use super::orthographic::OrthographicView;
 use super::painter::Painter;
-use super::recorded_rates::RecordedRates;
 use super::supersample::{
     EDGE_FACTOR, averaged, finer, supersamples_edges, supersampling_factor, with_averaged_edges,
 };

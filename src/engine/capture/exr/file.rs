@@ -14,9 +14,9 @@ use exr::meta::MetaData;
 use exr::meta::attribute::{EnvironmentMap, SampleType, Text};
 use exr::meta::header::Header;
 
+use super::channels::ChannelPlane;
+use super::color_planes::Primaries;
 use super::decoder_guard::{self, guarded};
-use super::plane::ChannelPlane;
-use super::primaries::Primaries;
 use super::zip::Inflater;
 use crate::capture::camera::{MAX_SIDE, is_believable_size, wrong_size};
 use crate::error::{Error, Result};

@@ -137,8 +137,8 @@ fn write_channels(path: &Path, size: (usize, usize), channels: Vec<AnyChannel<Fl
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::exr::channels::ChannelPlane;
     use crate::capture::exr::file::ExrFile;
-    use crate::capture::exr::plane::ChannelPlane;
 
     #[test]
     fn a_rendered_picture_keeps_its_holes() {

@@ -9,14 +9,12 @@
 //! shared points tell how much is seen. Two callers know neither: whoever doubts how poses are read pairs views by their numbers
 //! (`pairs_by_number`), and lines of sight of a new view ask the cameras nearest to it (`nearest_first`).
 
-mod depth_bounds;
 mod graph;
 mod groups;
 mod registration;
 mod shared;
 
-pub use depth_bounds::DepthBounds;
-pub use graph::OverlapGraph;
+pub use graph::{DepthBounds, OverlapGraph};
 pub(crate) use groups::{Neighbors, nearest_first};
 pub(crate) use registration::{Registration, TargetLens, relative_side};
 pub(crate) use shared::{pairs_by_number, pairs_by_share, share_seen};

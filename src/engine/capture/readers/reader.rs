@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use super::place::SourceFolder;
-use crate::capture::skipped::Skipped;
+use crate::capture::parts::Skipped;
 use crate::capture::transforms::{Manifest, ManifestOrigin, places_of};
 use crate::error::Result;
 use crate::plural::counted;

@@ -15,9 +15,9 @@ use super::same_camera::refuse_motion;
 use super::same_name::{SimilarNames, is_absolute};
 use super::{frame_numbers, pose, value_places};
 use crate::capture::camera::Camera;
+use crate::capture::parts::Skipped;
 use crate::capture::pictures::RayCache;
 use crate::capture::pose_convention::upright;
-use crate::capture::skipped::Skipped;
 use crate::error::{Error, Result};
 
 /// A camera that moves by more than this, relative to the distance from the origin, is warned of.

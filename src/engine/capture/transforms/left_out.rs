@@ -10,8 +10,8 @@ use super::manifest::{Manifest, PictureEntry};
 use super::origin::ManifestOrigin;
 use super::placed_entry::PlacedEntry;
 use super::pose;
+use crate::capture::parts::Skipped;
 use crate::capture::pictures::{PictureFormat, format_of};
-use crate::capture::skipped::Skipped;
 use crate::error::{Error, Result};
 
 /// The reason of pictures that are there and cannot be read.

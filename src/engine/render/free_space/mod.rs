@@ -20,10 +20,9 @@
 mod hidden;
 mod ray_test;
 mod seen_depth;
-mod sky_share;
 mod surroundings;
 
 pub(crate) use hidden::{HOLE, MarkPlanes, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, mark_holes};
 pub(crate) use ray_test::{RayTest, behind_ratio, cameras_to_ask};
 pub(crate) use seen_depth::{BORDER as CELL_BORDER, SeenDepths};
-pub(crate) use sky_share::{HolePlace, sky_share};
+pub(crate) use surroundings::{HolePlace, sky_share};

@@ -14,7 +14,6 @@
 mod block;
 mod interpolate;
 mod reproject;
-mod scratch_pool;
 mod silhouette;
 mod subpixels;
 mod surface_points;
@@ -23,7 +22,6 @@ mod view_weights;
 mod visibility_votes;
 
 pub(crate) use block::GatherScratch;
-pub(crate) use scratch_pool::ScratchPool;
 pub(crate) use silhouette::{Patch, RING, SIDE};
-pub(crate) use target::{BLOCK, BlockOrigin, PictureRows};
+pub(crate) use target::{BLOCK, BlockOrigin, PictureRows, ScratchPool};
 pub(crate) use view_weights::{SourceViews, full_coverage};

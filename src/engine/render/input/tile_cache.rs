@@ -9,7 +9,7 @@
 use half::f16;
 
 use super::dense_tile::MISSING;
-use super::frame_tile::{FrameTile, linear};
+use super::frame_tiles::{FrameTile, linear};
 use super::tile_grid::Lookup;
 use crate::samples::{TILE, TILE_SAMPLES};
 use crate::simd::{LANES, joined};

@@ -6,8 +6,7 @@
 
 use std::ops::Range;
 
-use super::frame_tile::FrameTile;
-use super::frame_tiles::FrameSamples;
+use super::frame_tiles::{FrameSamples, FrameTile};
 use crate::capture::Camera;
 use crate::samples::TILE;
 

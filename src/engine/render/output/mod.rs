@@ -3,11 +3,11 @@
 mod exr;
 mod pick;
 mod png;
-mod ranked_values;
 mod values;
 
 pub use exr::write_exr;
 pub use pick::{PickedSample, pick};
 pub use png::write_png;
-pub use ranked_values::{kept_values, ranked_value};
-pub use values::{PictureValues, shown_values, with_below, write_exr_with_values, write_npy};
+pub use values::{
+    PictureValues, kept_values, ranked_value, shown_values, with_below, write_exr_with_values, write_npy,
+};

@@ -1,9 +1,8 @@
 //! The resolve stage where each pixel is decided by itself, as all kernels but `gather` do: the `point` kernel, and a foreground
 //! painted over a background that exists already.
 
-use super::dirty_blocks::BlockSet;
-use super::layers::PaintedLayer;
-use super::strip::{Strip, put};
+use super::layers::{BlockSet, PaintedLayer};
+use super::{Strip, put};
 use crate::color::widened;
 use crate::render::gather::{BLOCK, BlockOrigin};
 use crate::render::input::{ColorIndex, FrameTile, linear};

@@ -13,8 +13,7 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::input::{StageInput, split_at_bands};
-use super::zkey::inverse_depth_of;
+use super::{StageInput, inverse_depth_of, split_at_bands};
 use crate::error::Result;
 use crate::render::geometry::{
     FootprintReach, Footprints, MAX_STRETCH, ProjectedRow, Projector, RowBand, footprints,

@@ -5,9 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::band_rows::BandRows;
-use super::input::{StageInput, split_at_bands};
-use super::zkey::{CORE, TRUSTED, key, nearness};
+use super::{BandRows, CORE, StageInput, TRUSTED, key, nearness, split_at_bands};
 use crate::error::Result;
 use crate::render::geometry::{
     CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,

@@ -11,7 +11,6 @@
 //! because the CPU does not wait for them. Rays across holes pass over 32 pixels at a step, by masks of sources, instead of being
 //! swept.
 
-mod painted;
 mod planes;
 mod seen;
 mod sky;
@@ -27,13 +26,12 @@ use crate::error::Result;
 use crate::render::finish::{has_sky, tests_free_space};
 use crate::samples::SampleSet;
 use crate::settings::Fill;
-use painted::Known;
-use planes::{FinishLayout, FinishPlanes};
+pub(super) use planes::Painted;
+use planes::{FinishLayout, FinishPlanes, Known};
 use seen::SeenCells;
 use sky::Sky;
 use stages::FinishStages;
 
-pub(super) use painted::Painted;
 #[cfg(test)]
 pub(super) use sky::SKY_SIDE;
 

@@ -1,14 +1,13 @@
 //! What the cameras that are asked about lines of sight saw: the stages of `shaders/seen/`.
 
-use super::painted::{Known, Painted};
+use super::planes::{Known, Painted};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::render::free_space::{CELL_BORDER, behind_ratio, cameras_to_ask};
-use crate::render::gpu::commands::Commands;
+use crate::render::gpu::commands::{Commands, over_layer};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCellView, GpuProjector};
 use crate::render::gpu::pipelines::{Pipelines, READ, WRITE, bind, layout, pipeline};
-use crate::render::gpu::recorder::over_layer;
 use crate::render::gpu::scene::list;
 use crate::render::gpu::shaders::{CARRY, FREE_DEPTHS};
 use crate::render::stage_times::Stage;

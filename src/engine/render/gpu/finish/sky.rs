@@ -1,13 +1,12 @@
 //! The sky that cameras saw, by direction: the stages of `shaders/sky/`.
 
-use super::painted::{Known, Painted};
+use super::planes::{Known, Painted};
 use crate::error::Result;
 use crate::render::geometry::rays_in_world;
-use crate::render::gpu::commands::Commands;
+use crate::render::gpu::commands::{Commands, over_layer};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCameraRays, SUM_WORDS};
 use crate::render::gpu::pipelines::{Pipelines, READ, UNIFORM_AT, WRITE, bind, first_of, layout, pipeline};
-use crate::render::gpu::recorder::over_layer;
 use crate::render::gpu::scene::{list, numbers_at, uniform_at};
 use crate::render::gpu::shaders::{FILL_SKY, HALVE_SKY, SUM_SKY};
 use crate::render::stage_times::Stage;

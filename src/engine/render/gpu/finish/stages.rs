@@ -1,10 +1,9 @@
 //! The compiled stages that finish a picture, and the order in which they run.
 
 use super::planes::{FinishPlanes, LEAST_STEPS, SETS};
-use crate::render::gpu::commands::Commands;
+use crate::render::gpu::commands::{Commands, dispatch};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::pipelines::{READ, UNIFORM_AT, WRITE, layout, pipeline};
-use crate::render::gpu::recorder::dispatch;
 use crate::render::gpu::shaders::FINISH;
 use crate::render::stage_times::Stage;
 
