@@ -11,10 +11,8 @@
 //! Localization and 3D Reconstruction*, CVPR 2006). What differs: the unknowns are those of a capture without groups, and the new cameras
 //! of a group are brought to the exposure of those that stay.
 
-use super::camera_correction::{CameraCorrection, CameraCorrections};
-use super::capture_correction::CaptureCorrection;
+use super::capture_correction::{CameraCorrection, CameraCorrections, CaptureCorrection, FrameCorrection};
 use super::color_lens_search::LensCorrection;
-use super::corrected_frames::FrameCorrection;
 use super::report::{AlignedCamera, AlignedLens, AlignedPair, Alignment};
 use super::together::{Aligned, aligned_beside_lenses, problem};
 use crate::capture::overlap::{Neighbors, nearest_first};

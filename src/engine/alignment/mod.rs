@@ -14,12 +14,10 @@
 //!
 //! Only poses relative to each other are known: most cameras stay where they are. Only ratios of gains are known: the mean stays.
 
-mod camera_correction;
 mod capture_correction;
 mod clock;
 mod color_lens;
 mod color_lens_search;
-mod corrected_frames;
 mod exposure;
 mod grouped;
 mod judge;
@@ -28,14 +26,12 @@ mod reference_view;
 mod registered_frames;
 mod report;
 mod residuals;
-mod shifted_frames;
 mod solver;
 mod surface_samples;
 mod tangent_plane;
 mod together;
 
-pub use camera_correction::{CameraCorrection, CameraCorrections};
-pub use capture_correction::CaptureCorrection;
+pub use capture_correction::{CameraCorrection, CameraCorrections, CaptureCorrection};
 pub use reference_view::align_view;
 pub use report::{
     AlignedCamera, AlignedClock, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment,

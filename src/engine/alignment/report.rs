@@ -5,7 +5,7 @@ use std::fmt::Write;
 use glam::{DAffine3, DQuat};
 use serde::{Deserialize, Serialize};
 
-use super::camera_correction::{CameraCorrection, CameraCorrections};
+use super::capture_correction::{CameraCorrection, CameraCorrections};
 use super::clock::ClockCorrection;
 use super::color_lens::ColorLens;
 use super::color_lens_search::LensCorrection;

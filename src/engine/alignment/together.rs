@@ -3,10 +3,9 @@
 use glam::DMat3;
 use rayon::prelude::*;
 
-use super::capture_correction::CaptureCorrection;
+use super::capture_correction::{CaptureCorrection, FrameCorrection};
 use super::clock::{self, ClockCorrection};
 use super::color_lens_search::LensCorrection;
-use super::corrected_frames::FrameCorrection;
 use super::exposure::{self, kept_gain};
 use super::poses;
 use super::reference_view::ReferenceView;

@@ -13,12 +13,11 @@ use half::f16;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::evidence::Evidence;
 use super::list::{Action, Edit, EditList, Reach};
 use super::marks::SampleMarks;
 use super::region::Region;
 use super::region_test::{RegionContext, RegionTest};
-use super::seen::{ImageMarks, PixelRays, Seen};
+use super::seen::{Evidence, ImageMarks, PixelRays, Seen};
 use super::tile::Tile;
 use crate::capture::Camera;
 use crate::error::{Error, Result};

@@ -22,13 +22,10 @@
 
 mod apply;
 mod drawn_area;
-mod evidence;
 mod list;
 mod list_file;
 mod marks;
-mod polygon;
 mod region;
-mod region_fault;
 mod region_test;
 mod removed_pixels;
 mod seen;

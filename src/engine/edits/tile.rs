@@ -4,9 +4,8 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::evidence::Evidence;
 use super::region_test::RegionTest;
-use super::seen::{ImageMarks, PixelRays, Seen};
+use super::seen::{Evidence, ImageMarks, PixelRays, Seen};
 use crate::capture::{Camera, PixelBox};
 use crate::samples::{Sample, SampleImage, SampleTile, TILE, TileDepths};
 

@@ -9,11 +9,10 @@ use super::cpu::CpuRenderer;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::magnified::{COARSEST, by_levels, coarsest_level};
 use super::orthographic::OrthographicView;
-use super::painter::Painter;
 use super::supersample::{
     EDGE_FACTOR, averaged, finer, supersamples_edges, supersampling_factor, with_averaged_edges,
 };
-use super::vantage::{Picture, RenderStats, Vantage};
+use super::vantage::{Painter, Picture, RenderStats, Vantage};
 use crate::capture::any_orthographic;
 use crate::error::{Error, Result};
 use crate::job::Job;

@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::depth_camera::DepthCamera;
-use super::manifest::{Keys, Manifest};
-use super::normal_space_name::NormalSpaceName;
+use super::manifest::{Keys, Manifest, NormalSpaceName};
 use super::raw_video::RawVideo;
-use super::same_name::SimilarNames;
-use super::value_places::ValueFile;
+use super::same_camera::SimilarNames;
+use super::value_file::ValueFile;
 use super::view_list::ViewList;
 use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{

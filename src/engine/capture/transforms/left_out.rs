@@ -7,9 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::exr_picture::no_depth;
 use super::manifest::{Manifest, PictureEntry};
-use super::origin::ManifestOrigin;
-use super::placed_entry::PlacedEntry;
+use super::manifest_file::ManifestOrigin;
 use super::pose;
+use super::source::PlacedEntry;
 use crate::capture::parts::Skipped;
 use crate::capture::pictures::{PictureFormat, format_of};
 use crate::error::{Error, Result};

@@ -3,17 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
 
-use super::camera_name::camera_name;
 use super::depth_camera::DepthCameraKeys;
-use super::json_text::{plain, wrong_value};
 use super::lens::LensKeys;
-use super::manifest_file::other_file;
-use super::normal_space_name::{NormalSpaceName, present};
-use super::pose_rows::rows;
+use super::manifest_file::{other_file, plain, wrong_value};
 use super::raw_video::RawVideoKeys;
-use super::value_keys::ValueKeys;
+use super::same_camera::camera_name;
+use super::value_file::ValueKeys;
 use crate::capture::pictures::{Distortion, PictureRows};
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 use crate::error::{Error, Result, one_line};
@@ -304,6 +302,58 @@ impl Manifest {
     }
 }
 
+/// The value of `normal_space`. Null is not the same as a missing key: the file's value counts for a missing one.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub(crate) enum NormalSpaceName {
+    /// A name, `world` or `camera`.
+    Text(String),
+    /// No normals are to be read.
+    Null,
+}
+
+pub(super) fn present<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<NormalSpaceName>, D::Error> {
+    NormalSpaceName::deserialize(deserializer).map(Some)
+}
+
+/// Rows as they are; of a list of 12 or 16 numbers the rows one after the other, four numbers each.
+pub(super) fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<f64>>, D::Error> {
+    let value = Value::deserialize(deserializer)?;
+    let is_flat = value.as_array().is_some_and(|list| list.first().is_some_and(Value::is_number));
+    let named = |error: serde_json::Error| serde::de::Error::custom(format!("\"transform_matrix\": {error}"));
+    if !is_flat {
+        return Vec::<Vec<f64>>::deserialize(value).map_err(named);
+    }
+    let numbers = Vec::<f64>::deserialize(value).map_err(named)?;
+    if !matches!(numbers.len(), 12 | 16) {
+        let what =
+            "\"transform_matrix\": it must have 4 rows of 4 numbers, or all 16 in one list, row by row";
+        return Err(serde::de::Error::custom(what));
+    }
+    Ok(numbers.chunks(4).map(<[f64]>::to_vec).collect())
+}
+
+impl Manifest {
+    /// Lets keys, with their values as JSON, count in place of the manifest's own, for every picture.
+    ///
+    /// # Errors
+    /// `Invalid` for a value that its key cannot have.
+    pub(crate) fn with_keys(mut self, keys: &[(String, String)]) -> Result<Self> {
+        let wrong = |error: serde_json::Error| Error::invalid("keys", one_line(&error.to_string()));
+        let value = |(key, value): &(String, String)| Ok((key.clone(), serde_json::from_str(value)?));
+        let values: Map<String, Value> =
+            keys.iter().map(value).collect::<Result<_, serde_json::Error>>().map_err(wrong)?;
+        let own: Keys = serde_json::from_value(Value::Object(values)).map_err(wrong)?;
+        for entry in &mut self.frames {
+            entry.keys = own.clone().or(&entry.keys);
+        }
+        self.keys = own.or(&self.keys);
+        Ok(self)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -350,5 +400,20 @@ mod tests {
             let error = parse(text).unwrap_err().to_string();
             assert!(error.starts_with("transforms.json: ") && !error.contains('\n'), "{error}");
         }
+    }
+
+    #[test]
+    fn keys_count_in_place_of_the_file_s_and_of_every_picture_s_own() {
+        let text = r#"{"integer_depth_scale": 0.5, "fl_x": 9, "frames":
+            [{"file_path": "a", "transform_matrix": [], "depth_kind": "planar_z", "w": 3}]}"#;
+        let manifest = Manifest::from_json(text.as_bytes(), "a").unwrap();
+        let key = |key: &str, value: &str| (key.to_owned(), value.to_owned());
+        let keys = [key("depth_kind", "\"ray_distance\""), key("depth_unit_scale_factor", "0.001")];
+        let read = manifest.clone().with_keys(&keys).unwrap();
+        let entry = read.frames[0].keys.clone().or(&read.keys);
+        assert_eq!(entry.depth_kind.as_deref(), Some("ray_distance"));
+        assert_eq!((entry.depth_unit_scale_factor, entry.fl_x, entry.w), (Some(0.001), Some(9.0), Some(3.0)));
+        let error = manifest.with_keys(&[key("camera_axes", "7")]).unwrap_err().to_string();
+        assert!(error.starts_with("keys: ") && !error.contains('\n'), "{error}");
     }
 }

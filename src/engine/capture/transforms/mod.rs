@@ -10,57 +10,45 @@
 //! recording by several static cameras, and its own keys (CAPTURES.md lists them) describe how depth and normals are read.
 //! Files without them read unchanged: one camera for each distinct pose.
 
-mod camera_name;
 mod cameras;
 mod colmap_keys;
 mod depth_camera;
 mod depth_file;
-mod depth_presence;
 mod exr_picture;
 mod files;
 mod frame_numbers;
 mod header_probe;
 mod intrinsics;
-mod json_text;
 mod left_out;
 mod lens;
 mod load;
 mod manifest;
 mod manifest_file;
 mod normal_file;
-mod normal_space_name;
-mod origin;
 mod other_pictures;
-mod other_reading;
 mod path;
 mod pictures_by_pose;
 mod pictures_of_views;
-mod placed_entry;
 mod pose;
-mod pose_rows;
 mod position_depth;
 mod raw_video;
 mod same_camera;
-mod same_name;
 mod source;
 mod turned_pictures;
 mod value_file;
-mod value_keys;
-mod value_places;
 mod view_list;
 mod write;
 
 pub(crate) use colmap_keys::keys_of_colmap;
 pub(crate) use depth_camera::DepthCameraKeys;
+use depth_file::refuse_without_depth;
 pub use files::picture_places;
 pub(crate) use files::places_of;
 pub(crate) use left_out::is_recording;
 pub(crate) use lens::LensKeys;
-pub(crate) use manifest::{Keys, Manifest, PictureEntry};
-pub(crate) use manifest_file::other_file;
+pub(crate) use manifest::{Keys, Manifest, NormalSpaceName, PictureEntry};
 pub use manifest_file::{MANIFEST_NAME, manifest_path, truth_beside};
-pub(crate) use normal_space_name::NormalSpaceName;
-pub(crate) use origin::ManifestOrigin;
+pub(crate) use manifest_file::{ManifestOrigin, other_file};
 pub use other_pictures::{MatchedBy, OtherPictures};
 pub use path::{Easing, PathFile, PathView, open_path, path_from_json, path_to_json};
 pub use pictures_of_views::open_pictures;
@@ -169,7 +157,7 @@ fn open_manifest(
         },
         settings.memory as usize * 1024 * 1024,
     );
-    depth_presence::refuse_without_depth(&capture, &source)?;
+    refuse_without_depth(&capture, &source)?;
     Ok(capture)
 }
 

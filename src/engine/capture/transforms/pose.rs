@@ -5,7 +5,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::origin::ManifestOrigin;
+use super::manifest_file::ManifestOrigin;
 use crate::capture::pose_convention::PoseConvention;
 use crate::error::{Error, Result};
 

@@ -14,9 +14,8 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::colmap_keys::keys_of_colmap;
-use super::json_text::plain;
 use super::manifest::{Keys, Manifest, PictureEntry};
-use super::manifest_file::{MANIFEST_NAME, manifest_path};
+use super::manifest_file::{MANIFEST_NAME, manifest_path, plain};
 use super::pose::opengl_matrix;
 use crate::capture::colmap;
 use crate::capture::pictures::PictureRows;

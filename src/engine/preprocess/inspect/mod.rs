@@ -2,7 +2,6 @@
 
 mod explained_sample;
 mod pixel;
-mod pixel_report;
 mod view_dependence;
 
 use std::sync::{Arc, OnceLock};
@@ -20,8 +19,10 @@ use crate::grid::Grid;
 use crate::samples::{SampleSet, Span};
 use crate::settings::Settings;
 use crate::simd::LANES;
-pub use pixel::{explain_pixel, pair_quantities, spans_of_pixel};
-pub use pixel_report::{CameraEvidence, ChainLink, PairQuantities, PixelExplanation};
+pub use pixel::{
+    CameraEvidence, ChainLink, PairQuantities, PixelExplanation, explain_pixel, pair_quantities,
+    spans_of_pixel,
+};
 pub use view_dependence::VISIBLE_STEPS;
 
 /// One camera at the inspected frame.

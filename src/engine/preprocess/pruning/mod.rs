@@ -4,7 +4,6 @@
 //! background (static layers, once), then ever shorter spans ─▶ search: best candidate ─▶ coverage ─▶ pack
 //! ```
 
-mod background;
 mod best_candidate;
 mod coverage;
 mod decision;
@@ -14,7 +13,6 @@ mod pass;
 mod search;
 mod span_stack;
 
-pub(crate) use background::{StaticLayer, measure_others_noise, rated, static_layer, static_layers};
 pub(crate) use best_candidate::{ColumnBounds, OtherCamera, lanes_at, other_cameras};
 pub(crate) use coverage::{Prepared, Preparing, Resolved, Unsettled, resolve_camera, settle_all};
 pub(crate) use decision::{
@@ -30,4 +28,6 @@ pub(crate) use pass::{
 };
 pub(crate) use search::{BAND_ROWS, Search, ask_others, conclude_all, find, left_open, look_at_own, prune};
 pub use span_stack::FRAME;
-pub(crate) use span_stack::{SpanSource, SpanStack, load_frame};
+pub(crate) use span_stack::{
+    SpanSource, SpanStack, StaticLayer, load_frame, measure_others_noise, rated, static_layer, static_layers,
+};

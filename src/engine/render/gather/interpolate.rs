@@ -2,9 +2,9 @@
 //! vectors. Every point adds up its cameras in the same order as if it were alone, so that its color does not depend on its
 //! neighbors.
 
-use super::reproject::{ReprojectedPoints, agrees, bilinear};
 use super::surface_points::{MOST, SurfacePoints};
 use super::view_weights::{SourceView, SourceViews, TargetPoints};
+use super::visibility_votes::{ReprojectedPoints, agrees, bilinear};
 use crate::render::input::{LaneValues, Quads, TexelColor, TileCaches};
 use crate::simd::{LANES, joined, mask};
 

@@ -13,7 +13,6 @@
 
 mod block;
 mod interpolate;
-mod reproject;
 mod silhouette;
 mod subpixels;
 mod surface_points;

@@ -106,7 +106,7 @@ impl<'a> SourceViews<'a> {
 
     /// Recorded pixels of a camera along a pixel of the picture, for a point at a ratio of distances as in [`ReprojectedPoints`].
     ///
-    /// [`ReprojectedPoints`]: super::reproject::ReprojectedPoints
+    /// [`ReprojectedPoints`]: crate::render::gather::visibility_votes::ReprojectedPoints
     #[inline(always)]
     pub(super) fn rate(&self, view: &SourceView, distance_ratio: f32) -> f32 {
         view.source_from_target.focal_ratio * distance_ratio * self.subpixels
@@ -152,7 +152,7 @@ impl<'a> SourceViews<'a> {
     /// The weights of a camera for sixteen points beside steps in depth, where no slope is known. Distances are given as in
     /// [`ReprojectedPoints`].
     ///
-    /// [`ReprojectedPoints`]: super::reproject::ReprojectedPoints
+    /// [`ReprojectedPoints`]: crate::render::gather::visibility_votes::ReprojectedPoints
     #[inline(always)]
     pub(super) fn weights(
         &self,
