@@ -21,6 +21,7 @@ pub(crate) mod picture_menu;
 mod rooms;
 mod start;
 mod theme;
+mod views;
 mod widgets;
 mod work;
 

@@ -14,12 +14,11 @@ use crate::app::model::window::DockView;
 use crate::app::model::{Command, Commands, State, Stopwatch};
 use crate::app::pace::{LeastPeriod, PacedWindow};
 use crate::app::rooms::help::ui::palette::palette_ui;
-use crate::app::rooms::live::ui::panel::view_panel_ui;
 use crate::app::rooms::{
-    cameras, charts, colors, compare, edits, files, frame, help, live, path, pixel, readings, report,
-    settings, share, source, timeline,
+    charts, files, frame, help, live, readings, report, settings, share, source, timeline,
 };
 use crate::app::theme::{Tokens, space};
+use crate::app::views::views;
 use crate::app::widgets::empty_ui;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::gpu::device_descriptor;
@@ -179,25 +178,14 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
 }
 
 pub(crate) fn view_ui(ui: &mut egui::Ui, view: DockView, state: &State, commands: &mut Commands) {
-    match view {
-        DockView::Source => source::ui::source_view_ui(ui, state, commands),
-        DockView::Live => live::ui::live_view_ui(ui, state, commands),
-        DockView::Compare => compare::ui::compare_view_ui(ui, state, commands),
-        DockView::Color => colors::ui::color_panel_ui(ui, state, commands),
-        DockView::Edits => edits::ui::edits_ui(ui, state, commands),
-        DockView::View => view_panel_ui(ui, state, commands),
-        DockView::Path => path::ui::path_ui(ui, state, commands),
-        DockView::Tradeoff => charts::ui::tradeoff_ui(ui, state, commands),
-        DockView::Stability => charts::ui::stability_ui(ui, state, commands),
-        DockView::Pixel => pixel::ui::pixel_view_ui(ui, state, commands),
-        DockView::Cameras => cameras::ui::cameras_view_ui(ui, state, commands),
-        DockView::Matrix => report::ui::matrix_view_ui(ui, state, commands),
-        DockView::Time => timeline::ui::time_ui(ui, state, commands),
-        DockView::Memory => report::ui::memory_ui(ui, state, commands),
-        DockView::Thresholds => settings::ui::settings_ui(ui, state, commands),
-        DockView::Report => report::ui::report_ui(ui, state, commands),
-        DockView::Log => frame::ui::log_ui(ui, state),
+    macro_rules! drawn {
+        ($($view:ident, $name:literal, $help:literal, $($draw:ident)::+;)*) => {
+            match view {
+                $(DockView::$view => crate::app::rooms::$($draw)::+(ui, state, commands),)*
+            }
+        };
     }
+    views!(drawn);
 }
 
 fn nothing_open_ui(ui: &mut egui::Ui, state: &State, commands: &mut Commands) {

@@ -1,25 +1,14 @@
 //! Carries out commands, and takes in the answers of the workers. Here and in the rooms are the only places where the state changes.
 
-use std::sync::Arc;
-
 use egui::TextureOptions;
 
 use crate::app::control::OverlookApp;
 use crate::app::model::command::{FileCommand, PixelCommand, WindowCommand};
-use crate::app::model::purpose::{Table, TableForm};
-use crate::app::model::window::{DockView, NoticeKind, NoticeLink};
-use crate::app::model::{
-    self, Accuracy, Command, Message, ShownPicture, Texture, Whole, WorkKind, method_of,
-};
-use crate::app::rooms::report::table_text;
-use crate::app::rooms::share::state::{SharePreview, ShownPreview};
+use crate::app::model::{Command, Message, WorkKind};
 use crate::app::rooms::timeline::TimeCommand;
 use crate::app::work::Workers;
 use crate::app::work::worker::AnySlot;
 use overlook_engine::error::Error;
-use overlook_engine::preprocess::diagnostics::Suspect;
-use overlook_engine::preprocess::{PreparedScan, Preprocessed};
-use overlook_engine::settings::Settings;
 
 impl OverlookApp {
     /// Carries out one command.
@@ -130,26 +119,7 @@ impl OverlookApp {
             self.cancel();
         }
     }
-}
 
-/// Whether a command only looks around, so that a scene that was about to move still may.
-fn only_looks(command: &Command) -> bool {
-    match command {
-        Command::View(_) | Command::Display(_) | Command::Pixel(PixelCommand::Probe(_)) => true,
-        Command::Time(command) => matches!(command, TimeCommand::Change(_)),
-        Command::Window(command) => !matches!(
-            command,
-            WindowCommand::InterfaceSize(_)
-                | WindowCommand::Dismiss(_)
-                | WindowCommand::Palette(_)
-                | WindowCommand::Help(_)
-        ),
-        Command::File(command) => matches!(command, FileCommand::Introduced | FileCommand::RoomExplained),
-        _ => false,
-    }
-}
-
-impl OverlookApp {
     /// Takes in one answer, unless it is about a scene that is no longer open.
     pub(crate) fn receive(&mut self, message: Message) {
         let current = self.state.doc.scene.as_ref().map(|scene| scene.id);
@@ -167,12 +137,7 @@ impl OverlookApp {
                 state.doc.inspected = Some(inspected);
                 state.doc.failed_frame = None;
             }
-            Message::SourcePainted { key, picture } => {
-                let replaced = state.doc.source_shown.take().map(|shown| shown.texture);
-                // The source view shows single pixels sharply; the live view is interpolated.
-                let texture = Texture::send(ctx, "source", Texture::PIXELS, &picture.image, replaced);
-                state.doc.source_shown = Some(ShownPicture { key, picture, texture });
-            }
+            Message::SourcePainted { key, picture } => self.source_painted(key, picture),
             Message::LivePainted { key, picture } => self.live_painted(key, picture),
             Message::LiveCarried { carried, key } => self.live_carried(&key.to, carried),
             Message::Measured { settings, accuracy, .. } => self.measured(&settings, accuracy),
@@ -208,64 +173,11 @@ impl OverlookApp {
             Message::ReadingsShown { images, .. } => self.readings_shown(images),
             Message::Stopped { title, text } => self.stopped_writing(title, text),
             Message::SizesMeasured { facts, .. } => state.share.facts = Some(facts),
-            Message::SharePreviewed { key, preview } => {
-                let replaced = state.share.preview.take().and_then(|shown| shown.picture);
-                let picture = preview.map(|SharePreview { image, decibels }| {
-                    let replaced = replaced.map(|(texture, _)| texture);
-                    (Texture::send(ctx, "preview", TextureOptions::LINEAR, &image, replaced), decibels)
-                });
-                state.share.preview = Some(ShownPreview { key, picture });
-            }
+            Message::SharePreviewed { key, preview } => self.share_previewed(key, preview),
             Message::Failed { work, error } => self.failed(work, &error),
             // Nobody sees it, or the system shows it.
             Message::Prepared | Message::FolderShown => {}
         }
-    }
-
-    fn scanned(&mut self, scan: Arc<PreparedScan>) {
-        let settings = &self.state.settings;
-        // Its settings were taken back, and the scan for the settings on the sliders is here already.
-        let late =
-            !scan.serves(settings) && self.state.doc.scan.as_ref().is_some_and(|scan| scan.serves(settings));
-        if !late {
-            self.state.doc.scan = Some(scan);
-        }
-    }
-
-    fn pruned(&mut self, settings: Settings, result: &Preprocessed, read_seconds: Option<f64>) {
-        let state = &mut self.state;
-        state.doc.read_seconds = read_seconds.or(state.doc.read_seconds);
-        // Taken back meanwhile, as in `scanned`.
-        if state.is_whole_ready() && method_of(&settings) != method_of(&state.settings) {
-            return;
-        }
-        let report = &result.report;
-        for (suspect, warning) in report.suspects() {
-            // A notice of its own reports that another reading fits better.
-            let is_told = suspect == Suspect::Depth && report.conventions.is_some();
-            if is_told && state.why_no_readings().is_none() {
-                continue;
-            }
-            let title = format!("Check the capture: {}", suspect.name().to_lowercase());
-            state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Matrix));
-        }
-        let line = format!(
-            "Pruned the capture: {} of {} kept. {}",
-            model::count(report.samples_kept),
-            model::count_of(report.samples_in, "sample"),
-            model::took(read_seconds, report.seconds)
-        );
-        state.inspector.log(NoticeKind::Done, line);
-        state.doc.accuracy = None;
-        let (samples, report) = (result.samples.clone(), Arc::new(report.clone()));
-        state.doc.whole = Some(Whole { samples, report, settings });
-    }
-
-    fn measured(&mut self, settings: &Settings, accuracy: Option<Accuracy>) {
-        if *settings != self.state.settings {
-            return;
-        }
-        self.state.doc.accuracy = accuracy;
     }
 
     /// Updates whether something is being opened or measured: superseded work sends no message of its end.
@@ -302,15 +214,19 @@ impl OverlookApp {
     }
 }
 
-impl OverlookApp {
-    /// Copies a table as text.
-    pub(crate) fn copy_table(&mut self, table: Table, form: TableForm) {
-        let Some(text) = table_text(table, form, &self.state) else {
-            let text = format!("There is no {} yet.", table.name());
-            return self.state.warn_of_scene("Nothing to copy", text);
-        };
-        self.ctx.copy_text(text);
-        let text = format!("The {} is on the clipboard as {}.", table.name(), form.name());
-        self.state.notify(NoticeKind::Done, "Copied", text);
+/// Whether a command only looks around, so that a scene that was about to move still may.
+fn only_looks(command: &Command) -> bool {
+    match command {
+        Command::View(_) | Command::Display(_) | Command::Pixel(PixelCommand::Probe(_)) => true,
+        Command::Time(command) => matches!(command, TimeCommand::Change(_)),
+        Command::Window(command) => !matches!(
+            command,
+            WindowCommand::InterfaceSize(_)
+                | WindowCommand::Dismiss(_)
+                | WindowCommand::Palette(_)
+                | WindowCommand::Help(_)
+        ),
+        Command::File(command) => matches!(command, FileCommand::Introduced | FileCommand::RoomExplained),
+        _ => false,
     }
 }

@@ -3,66 +3,26 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Something to look at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-pub(crate) enum DockView {
-    Source,
-    Live,
-    Compare,
-    Pixel,
-    Cameras,
-    Matrix,
-    Time,
-    Memory,
-    Thresholds,
-    Report,
-    Tradeoff,
-    Stability,
-    Path,
-    Log,
-    View,
-    Color,
-    Edits,
+use crate::app::views::views;
+
+macro_rules! dock_view {
+    ($($view:ident, $name:literal, $help:literal, $($ui:ident)::+;)*) => {
+        /// Something to look at.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+        pub(crate) enum DockView {
+            $($view,)*
+        }
+
+        impl DockView {
+            /// Every view in the order of the menu: its name on its tab, and what it shows.
+            pub(crate) const ALL: [(Self, &'static str, &'static str); [$($name),*].len()] =
+                [$((Self::$view, $name, $help)),*];
+        }
+    };
 }
+views!(dock_view);
 
 impl DockView {
-    /// Every view in the order of the menu: its name on its tab, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 17] = [
-        (Self::Source, "Source", "What a camera saw, and what became of each of its pixels."),
-        (Self::Live, "Live view", "The kept samples, rendered from any viewpoint."),
-        (
-            Self::Compare,
-            "Compare",
-            "Two pictures of one place: before and after, two settings, the truth, kernels.",
-        ),
-        (Self::Pixel, "Pixel", "The explanation of one pixel, with the evidence of every camera."),
-        (Self::Cameras, "Cameras", "Every camera with its kept share, and where it sees the pixel."),
-        (Self::Matrix, "Matrix", "Which camera's samples replace whose, and how well cameras agree."),
-        (Self::Time, "Time", "For how many frames samples are stored, and when."),
-        (Self::Memory, "Memory", "How much memory the samples of each camera take."),
-        (Self::Thresholds, "Settings", "What counts as redundant, and how what is left is rendered."),
-        (Self::Report, "Report", "How many samples each rule pruned, and for which cameras."),
-        (Self::Tradeoff, "Sweep", "What each setting costs, and how close it comes to the truth."),
-        (Self::Stability, "Stress test", "When accuracy breaks under disturbances."),
-        (
-            Self::View,
-            "View",
-            "The live view's lens, pose and guides, and the cameras whose samples it shows.",
-        ),
-        (
-            Self::Color,
-            "Color",
-            "How both views show color: exposure, tone curve, channel, background; histograms.",
-        ),
-        (
-            Self::Edits,
-            "Edits",
-            "Select samples by place, outline or evidence; delete them, keep them alone, leave cameras out.",
-        ),
-        (Self::Path, "Camera path", "A camera path: set keys, play it, export it as pictures."),
-        (Self::Log, "Log", "What happened, in order."),
-    ];
-
     /// Its name on its tab, and what it shows.
     pub(crate) fn name_and_help(self) -> (&'static str, &'static str) {
         Self::ALL.iter().find(|(of, ..)| *of == self).map_or(("", ""), |(_, name, help)| (*name, *help))

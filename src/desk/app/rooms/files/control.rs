@@ -240,7 +240,7 @@ impl OverlookApp {
         }
         if let Some(number) = view.frame_number {
             let frame = scene.frame_numbers.partition_point(|known| *known < number);
-            self.state.timeline.frame = frame.min(scene.frame_count().saturating_sub(1));
+            self.state.timeline.go_to(frame, scene.frame_count());
             self.state.timeline.playing = false;
         }
         let up = self.state.up_in_world();

@@ -432,7 +432,7 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
         });
 }
 
-pub(crate) fn log_ui(ui: &mut Ui, state: &State) {
+pub(crate) fn log_ui(ui: &mut Ui, state: &State, _commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let log = &state.inspector.log;
     let Some(first) = log.front() else {

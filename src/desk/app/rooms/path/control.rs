@@ -62,7 +62,7 @@ impl OverlookApp {
     /// Moves the view to a key of the path.
     pub(crate) fn go_to_key(&mut self, key: SavedPathKey) {
         self.state.live.orbit = Some(key.orbit);
-        self.state.timeline.frame = key.frame.min(self.state.frame_count().saturating_sub(1));
+        self.state.timeline.go_to(key.frame, self.state.frame_count());
     }
 
     /// Takes in the keys of a path that was read: after those that are there.

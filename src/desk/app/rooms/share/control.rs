@@ -2,15 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use egui::TextureOptions;
+
 use crate::app::control::OverlookApp;
 use crate::app::model;
-use crate::app::model::WorkKind;
 use crate::app::model::command::{ExportTarget, Exported};
 use crate::app::model::purpose::{FigureOf, FigureOptions, Purpose};
 use crate::app::model::ways_out::ShareCommand;
 use crate::app::model::window::{DockView, NoticeKind, and_others};
+use crate::app::model::{Texture, WorkKind};
 use crate::app::rooms::files::paths::{no_figure, no_scene};
-use crate::app::rooms::share::state::ShareOutcome;
+use crate::app::rooms::share::state::{ShareOutcome, SharePreview, SharePreviewKey, ShownPreview};
 use crate::app::work::{Export, ExportRequest, FigureExport, PathExport};
 use overlook_engine::error::Error;
 use overlook_engine::page::{PageOptions, PagePath};
@@ -59,6 +61,17 @@ impl OverlookApp {
             }
             ShareCommand::ShowInFolder(path) => self.workers.show_in_folder.submit(path),
         }
+    }
+
+    /// Takes in what the live view looks like within the budget of what is shared.
+    pub(crate) fn share_previewed(&mut self, key: SharePreviewKey, preview: Option<SharePreview>) {
+        let shown = &mut self.state.share.preview;
+        let replaced = shown.take().and_then(|shown| shown.picture);
+        let picture = preview.map(|SharePreview { image, decibels }| {
+            let replaced = replaced.map(|(texture, _)| texture);
+            (Texture::send(&self.ctx, "preview", TextureOptions::LINEAR, &image, replaced), decibels)
+        });
+        *shown = Some(ShownPreview { key, picture });
     }
 
     /// Notes where something is written that the dialog was asked for.

@@ -1,8 +1,12 @@
 //! Carries out what concerns the source view.
 
+use std::sync::Arc;
+
 use crate::app::control::OverlookApp;
 use crate::app::model::command::SourceCommand;
+use crate::app::model::picture::{SourceKey, SourcePicture};
 use crate::app::model::window::DockView;
+use crate::app::model::{ShownPicture, Texture};
 use crate::app::rooms::source::SourceLook;
 
 impl OverlookApp {
@@ -24,6 +28,15 @@ impl OverlookApp {
             }
             SourceCommand::Isolate(camera) => state.doc.isolated = camera,
         }
+    }
+
+    /// Takes in a picture of the source view.
+    pub(crate) fn source_painted(&mut self, key: SourceKey, picture: Arc<SourcePicture>) {
+        let shown = &mut self.state.doc.source_shown;
+        let replaced = shown.take().map(|shown| shown.texture);
+        // The source view shows single pixels sharply; the live view is interpolated.
+        let texture = Texture::send(&self.ctx, "source", Texture::PIXELS, &picture.image, replaced);
+        *shown = Some(ShownPicture { key, picture, texture });
     }
 
     /// Where no view shows the picture of the camera that was chosen, brings the panel with the list of cameras to the front. What

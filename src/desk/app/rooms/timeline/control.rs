@@ -9,7 +9,7 @@ impl OverlookApp {
         let frames = self.state.frame_count();
         let timeline = &mut self.state.timeline;
         match command {
-            TimeCommand::Frame(frame) => timeline.frame = frame.min(frames.saturating_sub(1)),
+            TimeCommand::Frame(frame) => timeline.go_to(frame, frames),
             TimeCommand::Step(by) => {
                 timeline.frame = (timeline.frame as i64 + by).rem_euclid(frames.max(1) as i64) as usize;
             }

@@ -71,6 +71,11 @@ impl Timeline {
         }
     }
 
+    /// Shows a frame; the last one where there are fewer.
+    pub(crate) fn go_to(&mut self, frame: usize, frames: usize) {
+        self.frame = frame.min(frames.saturating_sub(1));
+    }
+
     /// First and last frame of what is played, of `frames` frames, one at least.
     pub(crate) fn played(&self, frames: usize) -> [usize; 2] {
         let last = frames.saturating_sub(1);
