@@ -212,7 +212,7 @@ impl PyStore {
         self.check_place(Some(frame), None)?;
         let found = work::run(py, None, |job| {
             let samples = self.samples.at(Some(frame), job)?;
-            overlook_engine::splats::field(&samples, frame, SplatAmount { at_most, sky }, job)
+            splats::arrays(&samples, frame, SplatAmount { at_most, sky }, job)
         })?;
         PySplats::of(py, found)
     }

@@ -31,7 +31,7 @@ fn every_metric_agrees_with_another_program() {
 
     let (a, b) = (picture.map(metrics::luma), truth.map(metrics::luma));
     expect("ssim", metrics::ssim(&a, &b, |_, _| true), 1e-6);
-    expect("ms_ssim", overlook_lab::metrics::ssim(&a, &b, &a.map(|_| true)), 2e-5);
+    expect("ms_ssim", metrics::ms_ssim(&a, &b, &a.map(|_| true)), 2e-5);
 
     let linear = |picture: &Grid<[f32; 3]>| picture.map(|color| color.map(linear_from_srgb));
     let map = metrics::flip(&linear(&picture), &linear(&truth), metrics::DEFAULT_PIXELS_PER_DEGREE);

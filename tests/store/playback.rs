@@ -153,7 +153,7 @@ fn images_beyond_four_gibibytes_are_found_and_read() {
     assert!(store.info().images.iter().all(|image| image.offset > u64::from(u32::MAX)));
     let read = store.read_all(&Job::new()).unwrap();
     assert_eq!(read.images, moving_set().images);
-    let verified = overlook_engine::store::playback(&path, &Job::new()).unwrap();
+    let verified = overlook_engine::store::playback::verify(&path, &Job::new()).unwrap();
     assert_eq!((verified.damage, verified.bytes), (Vec::new(), bytes.len() as u64 + GAP));
 
     // The last byte of the last image is checked there as anywhere.
@@ -162,6 +162,6 @@ fn images_beyond_four_gibibytes_are_found_and_read() {
     let mut byte = [0];
     std::os::unix::fs::FileExt::read_exact_at(&file, &mut byte, last).unwrap();
     std::os::unix::fs::FileExt::write_all_at(&file, &[byte[0] ^ 0x40], last).unwrap();
-    let damage = overlook_engine::store::playback(&path, &Job::new()).unwrap().damage;
+    let damage = overlook_engine::store::playback::verify(&path, &Job::new()).unwrap().damage;
     assert!(damage.len() == 1 && damage[0].contains("IMAG"), "{damage:?}");
 }

@@ -38,8 +38,7 @@ mod surface;
 use rayon::prelude::*;
 
 use super::environment::{Environment, PixelDirections};
-use super::free_space::sky_share;
-use super::free_space::{HOLE, HolePlace, OPEN_HOLE, SKY_HOLE, hidden_surface_limit};
+use super::free_space::{HOLE, HolePlace, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, sky_share};
 use super::vantage::{NO_IMAGE, Picture, pixels_around};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};

@@ -16,8 +16,7 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::grid::Grid;
 use overlook_engine::render::{NO_IMAGE, Picture, Vantage};
 use overlook_engine::settings::AlignSettings;
-use overlook_lab::metrics::ssim::ssim;
-use overlook_lab::metrics::{self, ClassMap, DEFAULT_PIXELS_PER_DEGREE, ErrorClass, flip};
+use overlook_lab::metrics::{self, ClassMap, DEFAULT_PIXELS_PER_DEGREE, ErrorClass, flip, ssim};
 use overlook_lab::truth::ViewCorrections;
 
 /// Share of pixels that may differ by more than a fitted range.
