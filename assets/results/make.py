@@ -285,7 +285,7 @@ def sizes(program):
             program.run(*recording)
         (program.folder / f"{name}-ours.json").unlink(missing_ok=True)
         made = program.prepared(name, "ours", [])
-        kernels = {kernel: round(timed(program, name, "ours", f"render.kernel={kernel}")[0], 2) for kernel in ("gather", "surfel", "block", "point")}
+        kernels = {kernel: round(timed(program, name, "ours", f"render.kernel={kernel}", runs=1)[0], 2) for kernel in ("gather", "surfel", "block", "point")}
         measured.append({
             "size": f"{width}×{height}",
             "recording": " ".join(["overlook", *recording]),
