@@ -17,12 +17,12 @@ def decibels(squared_error):
 def results_page(results):
     """The whole of RESULTS.md."""
     captures = results["captures"]
-    counted = [entry for entry in captures if is_present(results, entry)]
+    present = [entry for entry in captures if is_present(results, entry)]
     return "\n".join([
         "# Results",
         "",
         "Overlook takes scenes that several cameras recorded as color and depth, drops every pixel that another one represents as well, and shows",
-        f"what is left from new viewpoints. {results['program'].capitalize()} on {len(counted)} capture{'' if len(counted) == 1 else 's'}, each figure from its smallest to its largest:",
+        f"what is left from new viewpoints. {results['program'].capitalize()} on {counted(present)}, each figure from its smallest to its largest:",
         "",
         *figures(results),
         "",
@@ -34,25 +34,25 @@ def results_page(results):
         *older(results),
         "## Where it loses",
         "",
-        *[f"- {sentence}" for sentence in losses(counted or captures)],
+        *[f"- {sentence}" for sentence in losses(present or captures)],
         "",
         "![Accuracy against bytes and against milliseconds](assets/results/pareto.png)",
         "",
-        "*`orrery`: every method, ours with four kernels. Up and to the left is better.*",
+        f"*`orrery`: every method, ours with four kernels. Up and to the left is better.*{mark_of_chart(results)}",
         "",
         *size_section(results),
         "## All figures",
         "",
         *words(),
         "",
-        *method_table(captures),
+        *method_table(results),
         "",
         "## What each switch of the renderer gives, and what it takes",
         "",
         "Each is changed by itself. *dB*: PSNR over all pixels, holes among them, against the default's; from the least to the most of all captures.",
         "*Time*: of a picture, as a multiple of the default's. Each switch is measured at the pictures that it is for.",
         "",
-        *switch_table(counted or captures),
+        *switch_table(present or captures),
         "",
         "## To repeat it",
         "",
@@ -79,7 +79,7 @@ def figures(results, link=""):
         return
     dropped = [100 * (1 - ours(entry)["kept"]) for entry in captures]
     yield (
-        f"- **Size:** {linked(f'{span(dropped)} % of the pixels')} are dropped. A store takes {span(shares(captures))} % of the raw bytes."
+        f"- **Size:** {linked(f'{span(dropped)} % of the pixels')} of {counted(captures)} are dropped. A store takes {span(shares(captures))} % of the raw bytes."
     )
     yield (
         f"- **Accuracy:** {linked(against(captures, 'everything'))} against keeping all pixels, {against(captures, 'rival')} against the best rival, "
@@ -93,6 +93,16 @@ def figures(results, link=""):
             f"- **Time:** a picture takes {linked(f'{took} ms')} on {where}, preparing a capture "
             f"{span(entry['times']['seconds_preprocess'] for entry in timed)} s."
         )
+
+
+def counted(captures):
+    return f"{len(captures)} capture{'' if len(captures) == 1 else 's'}"
+
+
+def mark_of_chart(results):
+    """The mark of the chart, which is drawn when its capture is timed."""
+    is_old = any("rival" in entry.get("times", {}).get("milliseconds", {}) and not is_timed(results, entry) for entry in results["captures"])
+    return f" {MARK}" if is_old else ""
 
 
 def milliseconds(entry, role):
@@ -283,15 +293,16 @@ def words():
 ROLES = [("ours", "**ours**"), ("everything", "all pixels"), ("rival", "best rival: {}"), ("paper", "the paper's way")]
 
 
-def method_table(captures):
+def method_table(results):
     yield "| capture | method | dB on surfaces | dB seen | ours ahead | bytes | of raw | ms | kept |"
     yield "|---|---|---|---|---|---|---|---|---|"
-    for entry in captures:
+    for entry in results["captures"]:
+        mark = "" if is_present(results, entry) else f" {MARK}"
         for role, name in ROLES:
             method = entry["methods"][role]
             surfaces, seen = accuracy(method).split(" / ")
             cells = [
-                f"`{entry['name']}`" if role == "ours" else "",
+                f"`{entry['name']}`{mark}" if role == "ours" else "",
                 name.format(short_label(method)),
                 surfaces,
                 seen,

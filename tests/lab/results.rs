@@ -69,7 +69,8 @@ fn the_results_page_is_made_of_its_data() {
         let ours = &capture["methods"]["ours"];
         let [surfaces, seen] = ["db_surfaces", "db_seen"].map(|name| ours[name].as_f64().unwrap_or(f64::NAN));
         let decibels = format!("| **ours** | {surfaces:.2} | {seen:.2} |").replace("NaN", "–");
-        format!("| `{}` {decibels}", capture["name"].as_str().unwrap())
+        let mark = if capture["accuracy"]["pictures"] == results["pictures"] { "" } else { " †" };
+        format!("| `{}`{mark} {decibels}", capture["name"].as_str().unwrap())
     });
     for wanted in rows.chain([format!("`{fingerprint}`")]) {
         assert!(
