@@ -4,5 +4,6 @@
 mod address;
 pub mod app;
 pub mod cli;
-mod points;
 mod pruned_store;
+mod text;
+mod ways_out;

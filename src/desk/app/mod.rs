@@ -28,11 +28,8 @@ mod work;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use crate::app::model::look::Unit;
 pub(crate) use crate::app::model::picture::Overlay;
 pub(crate) use crate::app::model::pivot_of_store;
-pub(crate) use crate::app::model::purpose::{DOTS_PER_INCH, FigureOptions, FigureWidth};
-pub(crate) use crate::app::rooms::files::work::FIGURE_ENDINGS;
 pub(crate) use crate::app::rooms::share::work::pictures::{
     of_camera as figure_of_camera, of_rendered as figure_of_rendered, write as write_figure,
 };

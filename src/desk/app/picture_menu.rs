@@ -3,17 +3,17 @@
 use egui::{Button, Response};
 
 use crate::app::model::command::ViewCommand;
-use crate::app::model::purpose::FigureOf;
-use crate::app::model::ways_out::{ShareCommand, ShareOptions, ShareWay};
+use crate::app::model::purpose::{FigureOf, ShareCommand};
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::files::paths::no_figure;
+use crate::ways_out::{Options, Way};
 
 /// Opens by a right click on the picture of a view.
 pub(crate) fn picture_menu_ui(response: &Response, of: FigureOf, state: &State, commands: &mut Commands) {
     response.context_menu(|ui| {
         let why_not = no_figure(state, of);
-        let options = ShareOptions { way: ShareWay::Figure, figure_of: of, ..state.share.options.clone() };
-        let save = [ShareCommand::Change(Box::new(options)), ShareCommand::Open(Some(ShareWay::Figure))];
+        let options = Options { way: Way::Figure, figure_of: of, ..state.share.options.clone() };
+        let save = [ShareCommand::Change(Box::new(options)), ShareCommand::Open(Some(Way::Figure))];
         for (name, keys, does) in [
             ("Copy picture", "", vec![ShareCommand::CopyPicture(of)]),
             ("Copy figure", "Ctrl+Shift+F", vec![ShareCommand::CopyFigure(Some(of))]),

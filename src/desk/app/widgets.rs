@@ -9,9 +9,9 @@ use egui::{
 };
 use egui_material_icons::MaterialIcon;
 
+use crate::app::model::camera_text::{CameraText, TextPart};
 use crate::app::model::command::FileCommand;
 use crate::app::model::purpose::{Purpose, Table, TableForm};
-use crate::app::model::text::{CameraText, TextPart};
 use crate::app::model::{Command, Commands};
 use crate::app::theme::{Tokens, space};
 use crate::app::{camera_cues, colormap};

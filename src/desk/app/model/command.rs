@@ -7,8 +7,7 @@ use glam::{DVec2, DVec3};
 use crate::app::model::camera::OrbitCamera;
 use crate::app::model::look::Display;
 use crate::app::model::picture::HoleDisplay;
-use crate::app::model::purpose::{Purpose, Table, TableForm};
-use crate::app::model::ways_out::ShareCommand;
+use crate::app::model::purpose::{Purpose, ShareCommand, Table, TableForm};
 use crate::app::model::window::{Area, CommandPalette, DockView, HelpPage, Workspace};
 use crate::app::rooms::charts::state::axis::ShownAxis;
 use crate::app::rooms::charts::state::{Study, StudyChoice};
@@ -255,25 +254,6 @@ impl ViewCommand {
     pub(crate) fn moves_view(&self) -> bool {
         matches!(self, Self::Orbit(_) | Self::Pan(_) | Self::Dolly(_) | Self::DollyTo { .. } | Self::Fly(_))
     }
-}
-
-/// What a camera path is exported as.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ExportTarget {
-    /// How many pictures a film shows a second; `None` for a folder.
-    pub film_rate: Option<f64>,
-    /// Whether a folder receives EXR of linear color and depth in place of PNG.
-    pub linear: bool,
-}
-
-/// What came of an export.
-pub(crate) struct Exported {
-    /// What was written, in words.
-    pub said: String,
-    /// Why the renderer of the settings did not paint.
-    pub notice: Option<String>,
-    /// What could not be read of a store so far, one line each.
-    pub damage: Vec<String>,
 }
 
 /// What concerns the camera path.

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
+pub(crate) use crate::ways_out::figure::Unit;
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::render::{Picture, ValueColors};
 use overlook_engine::settings::{Colormap, ValueScale};
@@ -276,36 +277,6 @@ pub(crate) const UP_DIRECTIONS: [(Option<DVec3>, &str, &str); 7] = [
 const UP_HELP: &str = "The axis of the world that points up. Choose it if a capture is shown on its side: orbiting, the horizon and the ground \
      follow it. The choice is remembered with the capture; for other windows write \"up\" into the manifest, as in \"up\": [0, 1, 0].";
 
-/// The unit of the scene's lengths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Unit {
-    #[default]
-    Meters,
-    Centimeters,
-    Millimeters,
-    None,
-}
-
-impl Unit {
-    /// Every unit: its name, and what it means.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
-        (Self::Meters, "m", "One unit of the scene is a meter."),
-        (Self::Centimeters, "cm", "One unit of the scene is a centimeter."),
-        (Self::Millimeters, "mm", "One unit of the scene is a millimeter."),
-        (Self::None, "units", "The scene has no unit of length."),
-    ];
-
-    /// Its name.
-    pub(crate) fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(unit, ..)| *unit == self).map_or("", |(_, name, _)| name)
-    }
-
-    /// A length with its unit.
-    pub(crate) fn length(self, length: f64) -> String {
-        format!("{} {}", crate::app::model::text::significant(length), self.name())
-    }
-}
-
 /// A distance that is measured between two points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Ruler {
@@ -403,10 +374,6 @@ mod tests {
         assert_eq!(ruler.distance(), Some(5.0));
         ruler.pick(DVec3::X);
         assert_eq!((ruler.distance(), ruler.points.len()), (None, 1));
-        assert_eq!(
-            (Unit::Meters.length(1.5), Unit::None.length(0.25)),
-            ("1.50 m".into(), "0.25 units".into())
-        );
     }
 
     #[test]

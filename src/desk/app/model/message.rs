@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::app::model::command::Exported;
 use crate::app::model::look::FrameValues;
 use crate::app::model::picture::{CarriedLook, CarryKey, LiveKey, LivePicture, SourceKey, SourcePicture};
 use crate::app::model::purpose::{Destination, Purpose};
@@ -16,7 +15,8 @@ use crate::app::rooms::path::CameraPath;
 use crate::app::rooms::pixel::state::{Probed, Spot};
 use crate::app::rooms::readings::state::ReadingImages;
 use crate::app::rooms::settings::ThresholdHistogram;
-use crate::app::rooms::share::state::{ShareFacts, SharePreview, SharePreviewKey};
+use crate::app::rooms::share::state::{Exported, SharePreview, SharePreviewKey};
+use crate::ways_out::Facts;
 use overlook_engine::capture::conventions::Finding;
 use overlook_engine::capture::transforms::PathFile;
 use overlook_engine::edits::EditList;
@@ -143,7 +143,7 @@ pub(crate) enum Message {
     },
     SizesMeasured {
         scene: u64,
-        facts: ShareFacts,
+        facts: Facts,
     },
     /// The folder of a file is shown by the system.
     FolderShown,

@@ -6,6 +6,7 @@
 //! ```
 
 pub(crate) mod camera;
+pub(crate) mod camera_text;
 pub(crate) mod command;
 pub(crate) mod frame_timer;
 pub(crate) mod look;
@@ -17,11 +18,9 @@ pub(crate) mod same;
 pub(crate) mod scene;
 pub(crate) mod setting_names;
 pub(crate) mod state;
-pub(crate) mod text;
 pub(crate) mod texture;
 pub(crate) mod undo;
 mod undo_list;
-pub(crate) mod ways_out;
 pub(crate) mod window;
 pub(crate) mod work_kind;
 
@@ -30,13 +29,13 @@ pub(crate) use crate::app::model::scene::{
     method_of, pivot_of_store,
 };
 pub(crate) use crate::app::model::state::{Busy, Document, SIDES, ShownPicture, State};
+pub(crate) use crate::text::{
+    account_parts, bytes, count, count_of, percent, sentence, significant, time_left, took, words,
+};
 pub(crate) use command::{Command, Commands};
 pub(crate) use frame_timer::Stopwatch;
 pub(crate) use message::Message;
 pub(crate) use same::Same;
-pub(crate) use text::{
-    account_parts, bytes, count, count_of, percent, sentence, significant, time_left, took, words,
-};
 pub(crate) use texture::Texture;
 pub(crate) use undo::{Part, SettingsSlot, Undoable};
 pub(crate) use work_kind::WorkKind;

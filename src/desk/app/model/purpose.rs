@@ -1,14 +1,13 @@
 //! The purposes of paths that a person chooses, and the tables and figures that are written to some of them.
 
-use std::fmt::{self, Display};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
-use crate::app::model::look::Unit;
 use crate::app::model::work_kind::WorkKind;
 use crate::app::rooms::charts::state::Study;
-use overlook_engine::splats::SplatFormat;
-use overlook_lab::chart::{FIGURE_COLUMNS, INCH_MM};
+use crate::app::rooms::files::state::SESSION_ENDING;
+use crate::ways_out::figure::FIGURE;
+pub(crate) use crate::ways_out::figure::FigureOf;
+use crate::ways_out::{Action, FileKind, Options, Way};
 
 /// What a chosen path is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,35 +16,16 @@ pub(crate) enum Purpose {
     OpenFile,
     /// Open the folder of a capture.
     OpenFolder,
-    SaveStore,
+    /// Write what the dialog of all ways out makes.
+    Share(&'static FileKind),
     /// Write the settings as TOML.
     SaveSettings,
     /// Read settings from TOML.
     LoadSettings,
-    /// Write the picture of the live view.
-    SavePicture,
     /// Write a table, in the form that the ending of its file says.
     SaveTable(Table),
     /// Write the chart of a study, in the format that the ending of its file says.
     SaveChart(Study),
-    /// Write the pictures of the camera path into a folder.
-    ExportPictures,
-    /// Write the pictures of the camera path into a folder, as EXR with depth.
-    ExportExr,
-    /// Write a film of the camera path.
-    ExportFilm,
-    /// Write a page that plays the scene.
-    ExportPage,
-    /// Write splats in a format.
-    ExportSplats(SplatFormat),
-    /// Write a figure of a view.
-    ExportFigure,
-    /// Write the points of the frame that is shown.
-    ExportPoints,
-    /// Write the points of every frame into a folder.
-    ExportPointsOfFrames,
-    /// Write the poses and lenses of all cameras as a manifest.
-    SaveCameras,
     /// Write the camera path as a manifest.
     SavePath,
     /// Read a camera path from a manifest.
@@ -60,103 +40,87 @@ pub(crate) enum Purpose {
     SaveSession,
 }
 
+/// What is said of a path that is asked for.
+pub(crate) struct AskedPath {
+    pub action: Action,
+    /// The title of the dialog.
+    pub title: &'static str,
+    /// What opens the field for typing it: an entry of the command palette, or a button, whose name ends with dots.
+    pub entry: &'static str,
+    /// As those of a [`FileKind`].
+    pub endings: &'static [&'static str],
+    pub stem: &'static str,
+}
+
+/// The endings of what can be opened.
+const OPENED: [&str; 6] = ["ovl", SESSION_ENDING, "json", "txt", "bin", "log"];
+
 impl Purpose {
-    /// Whether something is written to the path.
-    pub(crate) fn writes(self) -> bool {
-        !matches!(
-            self,
-            Self::OpenFile
-                | Self::OpenFolder
-                | Self::LoadSettings
-                | Self::LoadPath
-                | Self::OpenPictures
-                | Self::LoadEdits
-        )
+    /// What is said of its path.
+    pub(crate) fn asked(self) -> AskedPath {
+        use Action::{Load, Open, Save};
+        let (action, title, entry, endings, stem): (_, _, _, &[&str], _) = match self {
+            Self::OpenFile => {
+                (Open, "Open a store, or a file that a capture is known by", "Open path", &OPENED, "")
+            }
+            Self::OpenFolder => (Open, "Open a capture folder", "Open path", &[], ""),
+            Self::Share(kind) => (kind.action, kind.title, "To path…", kind.endings, kind.stem),
+            Self::SaveSettings => (Save, "Save the settings", "Save settings to path", &["toml"], "settings"),
+            Self::LoadSettings => (Load, "Load settings", "Load settings from path", &["toml"], ""),
+            Self::SaveTable(_) => {
+                let title = "Save a table as CSV, Markdown (.md) or LaTeX (.tex)";
+                (Save, title, "Save table…", &["csv", "md", "tex"], "")
+            }
+            Self::SaveChart(_) => {
+                (Save, "Save a chart as PDF, SVG or PNG", "Save chart…", FIGURE.endings, "")
+            }
+            Self::SavePath => {
+                (Save, "Save the camera path", "Save camera path to path", &["json"], "transforms")
+            }
+            Self::LoadPath => (Load, "Open a camera path", "Open camera path from path", &["json"], ""),
+            Self::OpenPictures => {
+                (Load, "Open pictures of another program", "Open pictures from path", &[], "")
+            }
+            Self::SaveEdits => (Save, "Save the edits", "Save edits to path", &["toml"], "edits"),
+            Self::LoadEdits => (Load, "Open edits", "Open edits from path", &["toml"], ""),
+            Self::SaveSession => {
+                (Save, "Save the session", "Save session to path", &[SESSION_ENDING], "session")
+            }
+        };
+        AskedPath { action, title, entry, endings, stem }
     }
 
-    /// Whether the dialog of all ways out asks for it.
-    pub(crate) fn is_shared(self) -> bool {
-        self.work() == WorkKind::Export
-            || matches!(self, Self::SaveStore | Self::SavePicture | Self::SaveCameras)
+    /// Whether something is written to the path.
+    pub(crate) fn writes(self) -> bool {
+        matches!(self.asked().action, Action::Save | Action::Export)
     }
 
     /// The work that reads or writes there.
     pub(crate) fn work(self) -> WorkKind {
-        match self {
-            Self::OpenFile | Self::OpenFolder => WorkKind::Open,
-            Self::ExportPictures
-            | Self::ExportExr
-            | Self::ExportFilm
-            | Self::ExportPage
-            | Self::ExportSplats(_)
-            | Self::ExportFigure
-            | Self::ExportPoints
-            | Self::ExportPointsOfFrames => WorkKind::Export,
-            _ => WorkKind::File,
+        match self.asked().action {
+            Action::Open => WorkKind::Open,
+            Action::Export => WorkKind::Export,
+            Action::Load | Action::Save => WorkKind::File,
         }
     }
+}
 
-    /// The title of the dialog that asks for the path.
-    pub(crate) fn title(self) -> &'static str {
-        match self {
-            Self::OpenFile => "Open a store, or a file that a capture is known by",
-            Self::OpenFolder => "Open a capture folder",
-            Self::SaveStore => "Share the store",
-            Self::SaveSettings => "Save the settings",
-            Self::LoadSettings => "Load settings",
-            Self::SavePicture => "Share the picture of the live view",
-            Self::SaveTable(_) => "Save a table as CSV, Markdown (.md) or LaTeX (.tex)",
-            Self::SaveChart(_) => "Save a chart as PDF, SVG or PNG",
-            Self::ExportPictures => "Share pictures in a folder",
-            Self::ExportExr => "Share EXR pictures in a folder",
-            Self::SaveCameras => "Share the cameras",
-            Self::SavePath => "Save the camera path",
-            Self::LoadPath => "Open a camera path",
-            Self::OpenPictures => "Open pictures of another program",
-            Self::SaveEdits => "Save the edits",
-            Self::LoadEdits => "Open edits",
-            Self::SaveSession => "Save the session",
-            Self::ExportFilm => "Share a video",
-            Self::ExportPage => "Share an interactive page",
-            Self::ExportSplats(_) => "Share splats",
-            Self::ExportFigure => "Share a figure",
-            Self::ExportPoints => "Share points",
-            Self::ExportPointsOfFrames => "Share points in a folder",
-        }
-    }
-
-    /// Whether the path is that of a folder, which receives numbered files.
-    pub(crate) fn fills_folder(self) -> bool {
-        matches!(self, Self::ExportPictures | Self::ExportExr | Self::ExportPointsOfFrames)
-    }
-
-    /// What opens the field for typing the path: an entry of the command palette, or a button, whose name ends with dots.
-    pub(crate) fn typed_entry(self) -> &'static str {
-        match self {
-            Self::OpenFile | Self::OpenFolder => "Open path",
-            Self::SaveSettings => "Save settings to path",
-            Self::LoadSettings => "Load settings from path",
-            Self::SaveTable(_) => "Save table…",
-            Self::SaveChart(_) => "Save chart…",
-            Self::SavePath => "Save camera path to path",
-            Self::LoadPath => "Open camera path from path",
-            Self::OpenPictures => "Open pictures from path",
-            Self::SaveEdits => "Save edits to path",
-            Self::LoadEdits => "Open edits from path",
-            Self::SaveSession => "Save session to path",
-            Self::SaveStore
-            | Self::SavePicture
-            | Self::SaveCameras
-            | Self::ExportPictures
-            | Self::ExportExr
-            | Self::ExportFilm
-            | Self::ExportPage
-            | Self::ExportSplats(_)
-            | Self::ExportFigure
-            | Self::ExportPoints
-            | Self::ExportPointsOfFrames => "To path…",
-        }
-    }
+/// What can be done in the dialog.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ShareCommand {
+    /// Open it, at a way or where it was.
+    Open(Option<Way>),
+    Close,
+    Change(Box<Options>),
+    /// Copy a figure of a view. `None` is the view under the pointer or filling the window, if that is the source view or the comparison,
+    /// else the live view.
+    CopyFigure(Option<FigureOf>),
+    /// Copy the picture of a view as it is shown, with nothing around it.
+    CopyPicture(FigureOf),
+    /// Stop what is being written.
+    Stop,
+    /// Open the folder of a file in the system's file manager.
+    ShowInFolder(PathBuf),
 }
 
 /// Somewhere to write, before anything is written there.
@@ -249,150 +213,5 @@ impl Table {
     /// Name of its file.
     pub(crate) fn file(self) -> &'static str {
         Self::ALL.iter().find(|(of, ..)| *of == self).map_or("", |(.., file)| file)
-    }
-}
-
-/// The picture of a figure.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum FigureOf {
-    /// The live view.
-    #[default]
-    Live,
-    /// The source picture with its overlay.
-    Source,
-    /// The pictures of Compare.
-    Compared,
-}
-
-impl FigureOf {
-    /// Every choice: its name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Live, "Live view", "The live view as it is colored, rendered anew at the size of the figure."),
-        (Self::Source, "Source picture", "The recorded picture with the overlay that is chosen."),
-        (
-            Self::Compared,
-            "Comparison",
-            "What Compare shows, zoomed as there: wiped, side by side, one of both, or their difference with its scale.",
-        ),
-    ];
-}
-
-/// What is chosen of a figure beside its picture.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct FigureOptions {
-    /// Columns, pixels.
-    pub columns: u32,
-    /// Pixels of an inch of paper.
-    pub dots_per_inch: u32,
-    /// Size of the type, typographic points.
-    pub type_points: f64,
-    pub caption: String,
-    /// Light type on dark paper.
-    pub is_dark: bool,
-    /// Whether what colors mean is written below the picture.
-    pub has_legend: bool,
-    /// Whether a scale bar lies in the picture.
-    pub has_scale_bar: bool,
-    /// The unit of the scene.
-    pub unit: Unit,
-}
-
-/// Pixels of an inch of paper.
-pub(crate) const DOTS_PER_INCH: std::ops::RangeInclusive<u32> = 30..=2400;
-
-impl Default for FigureOptions {
-    fn default() -> Self {
-        let dots_per_inch = 300;
-        Self {
-            columns: FigureWidth::default().columns(dots_per_inch),
-            dots_per_inch,
-            type_points: 8.0,
-            caption: String::new(),
-            is_dark: false,
-            has_legend: true,
-            has_scale_bar: true,
-            unit: Unit::default(),
-        }
-    }
-}
-
-impl FigureOptions {
-    /// Width on paper, millimeters.
-    pub(crate) fn width_mm(&self) -> f64 {
-        f64::from(self.columns) / f64::from(self.dots_per_inch) * INCH_MM
-    }
-}
-
-/// Width of a figure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum FigureWidth {
-    Pixels(u32),
-    Millimeters(f64),
-}
-
-impl Default for FigureWidth {
-    fn default() -> Self {
-        Self::Millimeters(120.0)
-    }
-}
-
-impl FigureWidth {
-    /// Columns at so many pixels an inch, of those that figures may have.
-    pub(crate) fn columns(self, dots_per_inch: u32) -> u32 {
-        let [fewest, most] = FIGURE_COLUMNS;
-        match self {
-            Self::Pixels(columns) => columns.clamp(fewest, most),
-            Self::Millimeters(width) => {
-                let columns = width / INCH_MM * f64::from(dots_per_inch);
-                columns.round().clamp(f64::from(fewest), f64::from(most)) as u32
-            }
-        }
-    }
-}
-
-impl Display for FigureWidth {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Pixels(columns) => write!(formatter, "{columns}px"),
-            Self::Millimeters(width) => write!(formatter, "{width}mm"),
-        }
-    }
-}
-
-impl FromStr for FigureWidth {
-    type Err = String;
-
-    /// As in `120mm`, `12cm`, `4.7in` or `1400px`.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let units = [("mm", 1.0), ("cm", 10.0), ("in", INCH_MM)];
-        let width = units.into_iter().find_map(|(unit, size)| {
-            let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
-            (number.is_finite() && number > 0.0).then_some(Self::Millimeters(number * size))
-        });
-        let pixels = || {
-            let columns = text.strip_suffix("px")?.trim().parse().ok()?;
-            (FIGURE_COLUMNS[0]..=FIGURE_COLUMNS[1]).contains(&columns).then_some(Self::Pixels(columns))
-        };
-        width.or_else(pixels).ok_or_else(|| {
-            format!(
-                "must be a width with its unit, as in 120mm, 12cm, 4.7in or 1400px (from {}px to {}px)",
-                FIGURE_COLUMNS[0], FIGURE_COLUMNS[1]
-            )
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn widths_are_read_with_their_unit_and_become_columns() {
-        let columns = |text: &str| text.parse::<FigureWidth>().map(|width| width.columns(300));
-        assert_eq!(["120mm", "12 cm", "2in", "1400px"].map(columns), [1417, 1417, 600, 1400].map(Ok));
-        for text in ["", "120", "mm", "-3mm", "nanmm", "10px", "99999px", "1.5px"] {
-            assert!(text.parse::<FigureWidth>().is_err(), "{text}");
-        }
-        assert!((FigureOptions::default().width_mm() - 120.0).abs() < 0.1);
     }
 }

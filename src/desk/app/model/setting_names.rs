@@ -1,6 +1,6 @@
 //! What settings are called in the window.
 
-use crate::app::model::text;
+use crate::text;
 use overlook_engine::settings::{Field, Settings};
 
 /// Sections in the order of the panel: id, heading, whether it is open at first.

@@ -289,7 +289,7 @@ impl State {
 
     /// Columns and rows of the live view's picture in a figure.
     pub(crate) fn figure_size(&self) -> [u32; 2] {
-        let columns = self.share.options.figure.columns;
+        let columns = self.share.options.figure.columns();
         let [width, height] = self.live.size.map(f64::from);
         [columns, (f64::from(columns) * height / width.max(1.0)).round().max(1.0) as u32]
     }

@@ -7,6 +7,7 @@ use crate::app::model::command::{Combine, EditCommand, ViewCommand};
 use crate::app::model::purpose::Purpose;
 use crate::app::tests::{OverlookApp, ready, settle, wait};
 use crate::pruned_store;
+use crate::ways_out;
 use overlook_engine::capture;
 use overlook_engine::edited_store::write_edited_store;
 use overlook_engine::edits::{Action, EditList, Region, Stroke, Viewpoint};
@@ -79,7 +80,7 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     edit(&mut app, EditCommand::LeaveOut(vec![1]));
     assert!(app.state.unsaved_work().is_some_and(|work| work.contains("3 edits")));
     app.take_path(Purpose::SaveEdits, list.clone());
-    app.take_path(Purpose::SaveStore, store.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), store.clone());
     settle(&mut app);
     assert_eq!(app.state.unsaved_work(), None);
 
@@ -99,7 +100,7 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     app.take_path(Purpose::LoadEdits, list);
     wait(&mut app, "the list", |app| app.state.doc.edits.list.edits.len() == 3);
     settle(&mut app);
-    app.take_path(Purpose::SaveStore, again.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), again.clone());
     settle(&mut app);
     assert!(bytes(&again) == bytes(&store));
     open(&mut app, &store, false);
@@ -113,13 +114,13 @@ fn a_store_is_cleaned_and_shows_the_same_once_it_is_opened_again() {
     let folder = tempfile::tempdir().unwrap();
     let [all, clean, beside] = ["all.ovl", "clean.ovl", "beside.ovl"].map(|name| folder.path().join(name));
     let mut app = ready(3, 2);
-    app.take_path(Purpose::SaveStore, all.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), all.clone());
     settle(&mut app);
     open(&mut app, &all, false);
     let region = middle(&app, 0.2);
     delete(&mut app, region);
     let edited = picture(&app);
-    app.take_path(Purpose::SaveStore, clean.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), clean.clone());
     settle(&mut app);
     let edits = app.state.doc.edits.list.clone();
     let store = Store::open(&all).unwrap();
@@ -234,7 +235,7 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
     edit(&mut app, EditCommand::Mask { camera: name, stroke });
     assert!(app.state.edited().unwrap().deleted > before, "a mask takes effect as it is painted");
     app.take_path(Purpose::SaveEdits, list.clone());
-    app.take_path(Purpose::SaveStore, store.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), store.clone());
     settle(&mut app);
 
     let edits = EditList::load(&list).unwrap();

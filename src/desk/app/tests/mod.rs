@@ -15,8 +15,7 @@ use std::time::{Duration, Instant};
 
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::command::{
-    ChartCommand, CompareCommand, Exported, FileCommand, PathCommand, PixelCommand, SettingsCommand,
-    ViewCommand,
+    ChartCommand, CompareCommand, FileCommand, PathCommand, PixelCommand, SettingsCommand, ViewCommand,
 };
 use crate::app::model::purpose::Purpose;
 use crate::app::model::window::{DockView, NoticeKind};
@@ -25,7 +24,9 @@ use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::compare::state::CompareSide;
 use crate::app::rooms::path::CameraPath;
 use crate::app::rooms::pixel::state::Spot;
+use crate::app::rooms::share::state::Exported;
 use crate::app::rooms::timeline::TimeCommand;
+use crate::ways_out;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Error;
 use overlook_engine::render::NO_IMAGE;
@@ -114,7 +115,7 @@ fn a_store_records_how_it_was_painted_when_it_was_saved() {
     let path = folder.path().join("small.ovl");
     let mut app = ready(2, 2);
     app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "surfel".into() }));
-    app.take_path(Purpose::SaveStore, path.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
     settle(&mut app);
     let settings = Store::open(&path).unwrap().info().settings.clone();
     assert_eq!(settings.render, app.state.settings.render);
@@ -237,7 +238,11 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
         app.apply(Command::Path(PathCommand::AddKey));
     }
     set_method(&mut app, PruningMethod::Off);
-    for purpose in [Purpose::SaveStore, Purpose::ExportPictures, Purpose::ExportFilm] {
+    for purpose in [
+        Purpose::Share(&ways_out::store::STORE),
+        Purpose::Share(&ways_out::pictures::PICTURES),
+        Purpose::Share(&ways_out::film::VIDEO),
+    ] {
         app.apply(Command::File(FileCommand::TypePath(purpose)));
         assert!(app.state.typed_path.is_none(), "no path is asked for in vain");
         app.take_path(purpose, folder.path().join("out"));
@@ -246,7 +251,7 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
     }
     assert!(app.workers.file.is_idle() && app.workers.export.is_idle());
     settle(&mut app);
-    app.apply(Command::File(FileCommand::TypePath(Purpose::SaveStore)));
+    app.apply(Command::File(FileCommand::TypePath(Purpose::Share(&ways_out::store::STORE))));
     assert!(app.state.typed_path.is_some());
 }
 
@@ -254,7 +259,7 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
 fn open_damaged(folder: &std::path::Path) -> OverlookApp {
     let path = folder.join("damaged.ovl");
     let mut app = ready(2, FRAMES);
-    app.take_path(Purpose::SaveStore, path.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
     settle(&mut app);
     let mut bytes = std::fs::read(&path).unwrap();
     let store = Store::open(&path).unwrap();
@@ -362,7 +367,7 @@ fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         app.apply(Command::Path(PathCommand::AddKey));
     }
-    app.take_path(Purpose::ExportPictures, pictures.clone());
+    app.take_path(Purpose::Share(&ways_out::pictures::PICTURES), pictures.clone());
     let warns = |app: &OverlookApp| {
         app.notices().iter().any(|notice| notice.starts_with("Exported from a damaged store"))
     };

@@ -16,6 +16,7 @@ use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::path::SavedPathKey;
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::tests::{change_path, ready, set_method, settle, start, step, wait};
+use crate::ways_out;
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {
@@ -42,7 +43,7 @@ fn a_dialog_that_gives_no_path_is_never_silent() {
     let mut app = ready(2, 2);
     let mut answer = |after: u64| {
         app.asked_at = Instant::now().checked_sub(Duration::from_millis(after));
-        app.receive(Message::PathChosen { purpose: Purpose::SaveStore, path: None });
+        app.receive(Message::PathChosen { purpose: Purpose::Share(&ways_out::store::STORE), path: None });
         (app.state.typed_path.take().map(|typed| typed.text), app.notices())
     };
     for soon in [0, 900] {
@@ -85,15 +86,18 @@ fn pictures_are_put_beside_other_files_only_after_a_question() {
     std::fs::write(used.join("0001.png"), "old").unwrap();
     let mut app = ready(2, 2);
     add_path(&mut app);
-    type_path(&mut app, Purpose::ExportPictures, &used);
+    type_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURES), &used);
     wait(&mut app, "the question", asks_to_replace);
     app.apply(Command::File(FileCommand::CloseTypedPath));
-    app.receive(Message::PathChosen { purpose: Purpose::ExportPictures, path: Some(used.clone()) });
+    app.receive(Message::PathChosen {
+        purpose: Purpose::Share(&ways_out::pictures::PICTURES),
+        path: Some(used.clone()),
+    });
     wait(&mut app, "the question after the dialog", asks_to_replace);
     app.apply(Command::Escape);
     assert_eq!(std::fs::read_to_string(used.join("0001.png")).unwrap(), "old");
     for folder in [empty, new] {
-        type_path(&mut app, Purpose::ExportPictures, &folder);
+        type_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURES), &folder);
         wait(&mut app, "the pictures", |_| folder.join("0002.png").is_file());
     }
 }
@@ -103,10 +107,13 @@ fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing/small.ovl");
     let mut app = ready(2, 2);
-    type_path(&mut app, Purpose::SaveStore, &path);
+    type_path(&mut app, Purpose::Share(&ways_out::store::STORE), &path);
     wait(&mut app, "the error", |app| !app.state.notices.is_empty());
     let typed = app.state.typed_path.take().unwrap();
-    assert_eq!((typed.purpose, typed.text), (Purpose::SaveStore, path.display().to_string()));
+    assert_eq!(
+        (typed.purpose, typed.text),
+        (Purpose::Share(&ways_out::store::STORE), path.display().to_string())
+    );
     let reason = typed.reason.unwrap();
     assert!(reason.contains("check the path") && !reason.contains(".overlook-"), "{reason}");
 }
@@ -115,7 +122,7 @@ fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
 fn no_path_is_asked_for_where_there_is_no_camera_path_to_export() {
     let mut app = ready(2, 2);
     app.apply(Command::Path(PathCommand::AddKey));
-    for purpose in [Purpose::ExportPictures, Purpose::ExportFilm] {
+    for purpose in [Purpose::Share(&ways_out::pictures::PICTURES), Purpose::Share(&ways_out::film::VIDEO)] {
         app.apply(Command::File(FileCommand::TypePath(purpose)));
         assert!(app.state.typed_path.is_none());
         let told = app.state.notices.pop().unwrap();
@@ -135,7 +142,7 @@ fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
             change_path(&mut app, None, |path| path.size = Some(size));
         }
         let pictures = folder.path().join(format!("{expected:?}"));
-        app.take_path(Purpose::ExportPictures, pictures.clone());
+        app.take_path(Purpose::Share(&ways_out::pictures::PICTURES), pictures.clone());
         wait(&mut app, "the pictures", |app| app.notices().iter().any(|told| told.starts_with("Exported")));
         app.state.notices.clear();
         assert_eq!(image::image_dimensions(pictures.join("0001.png")).unwrap(), expected);
@@ -232,7 +239,7 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
     let mut app = ready(2, 2);
     set_method(&mut app, PruningMethod::Off);
     settle(&mut app);
-    app.take_path(Purpose::SaveStore, path.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
     settle(&mut app);
     let loaded = || Message::SettingsLoaded { path: "kept.toml".into(), settings: Settings::default() };
     app.state.notices.clear();
@@ -284,16 +291,22 @@ fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     settle(&mut app);
     for chosen in [false, true] {
         if chosen {
-            app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(jpg.clone()) });
+            app.receive(Message::PathChosen {
+                purpose: Purpose::Share(&ways_out::pictures::PICTURE),
+                path: Some(jpg.clone()),
+            });
         } else {
-            type_path(&mut app, Purpose::SavePicture, &jpg);
+            type_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURE), &jpg);
         }
         let typed = app.state.typed_path.take().unwrap();
         assert_eq!(typed.reason.unwrap(), "A picture is written as PNG or EXR; name it .png or .exr.");
     }
-    app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(bare.clone()) });
+    app.receive(Message::PathChosen {
+        purpose: Purpose::Share(&ways_out::pictures::PICTURE),
+        path: Some(bare.clone()),
+    });
     wait(&mut app, "the picture", |_| png.is_file());
-    type_path(&mut app, Purpose::SavePicture, &bare);
+    type_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURE), &bare);
     wait(&mut app, "the question", asks_to_replace);
     assert!(!bare.exists() && !jpg.exists());
     let saved = image::open(&png).unwrap().into_rgb8();
@@ -313,7 +326,10 @@ fn a_picture_of_this_view_is_saved_in_a_chosen_size_with_alpha() {
     app.apply(Command::View(ViewCommand::Dolly(4.0)));
     settle(&mut app);
     for file in [&png, &exr] {
-        app.receive(Message::PathChosen { purpose: Purpose::SavePicture, path: Some(file.clone()) });
+        app.receive(Message::PathChosen {
+            purpose: Purpose::Share(&ways_out::pictures::PICTURE),
+            path: Some(file.clone()),
+        });
         wait(&mut app, "the picture", |app| app.notices().iter().any(|told| told.contains("96×72")));
         app.state.notices.clear();
         assert!(file.is_file());

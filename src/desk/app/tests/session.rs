@@ -12,6 +12,7 @@ use crate::app::rooms::compare::state::{CompareMode, CompareVantage};
 use crate::app::rooms::path::SavedPathKey;
 use crate::app::rooms::timeline::TimeCommand;
 use crate::app::tests::edits::{delete, open};
+use crate::ways_out;
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::edits::Region;
 
@@ -93,7 +94,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     app.apply(Command::View(ViewCommand::CopyAddress));
     settle(&mut app);
     app.take_path(Purpose::SaveSession, session.clone());
-    app.take_path(Purpose::SaveStore, store.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), store.clone());
     settle(&mut app);
     let before = held(&app);
 
@@ -115,7 +116,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     assert!(is_pictured(&other) == [true, false] && other.state.timeline.frame == 0);
     other.apply(Command::View(ViewCommand::Back));
     assert_eq!(other.state.live.orbit, left);
-    other.take_path(Purpose::SaveStore, again.clone());
+    other.take_path(Purpose::Share(&ways_out::store::STORE), again.clone());
     settle(&mut other);
     assert!(std::fs::read(store).unwrap() == std::fs::read(again).unwrap(), "another store");
 }

@@ -6,15 +6,15 @@ use crate::app::control::{OverlookApp, Start};
 use crate::app::model::Command;
 use crate::app::model::command::{ChartCommand, FileCommand, Opening, PathCommand, ViewCommand};
 use crate::app::model::picture::ColorBy;
-use crate::app::model::purpose::Purpose;
-use crate::app::model::ways_out::{ShareCommand, ShareOptions, ShareWay};
+use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::share::state::ShareOutcome;
 use crate::app::rooms::timeline::TimeCommand;
 use crate::app::tests::{change_path, ready, settle, wait};
+use crate::ways_out;
+use crate::ways_out::{Options, Way};
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::settings::Settings;
-use overlook_engine::splats::SplatFormat;
 use overlook_lab::sweep::{Point, Series};
 use overlook_lab::trial::{Trial, TrialResult};
 
@@ -52,11 +52,11 @@ fn what_is_stopped_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(3, 4);
     for (purpose, name) in [
-        (Purpose::ExportPage, "scene.html"),
-        (Purpose::ExportSplats(SplatFormat::Glb), "scene.glb"),
-        (Purpose::ExportSplats(SplatFormat::Spz), "scene.spz"),
-        (Purpose::ExportPointsOfFrames, "points"),
-        (Purpose::SaveStore, "scene.ovl"),
+        (Purpose::Share(&ways_out::page::PAGE), "scene.html"),
+        (Purpose::Share(&ways_out::splats::GLB), "scene.glb"),
+        (Purpose::Share(&ways_out::splats::SPZ), "scene.spz"),
+        (Purpose::Share(&ways_out::points::POINTS_OF_FRAMES), "points"),
+        (Purpose::Share(&ways_out::store::STORE), "scene.ovl"),
     ] {
         app.apply(Command::Share(ShareCommand::Open(None)));
         app.take_path(purpose, folder.path().join(name));
@@ -78,14 +78,13 @@ fn what_a_budget_leaves_is_seen_before_it_is_made_and_less_is_farther_from_all()
     let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Demo(spec)).unwrap();
     app.state.live.size = [128, 96];
     settle(&mut app);
-    app.apply(Command::Share(ShareCommand::Open(Some(ShareWay::Splats))));
+    app.apply(Command::Share(ShareCommand::Open(Some(Way::Splats))));
     settle(&mut app);
     wait(&mut app, "sizes", |app| app.state.share.facts.is_some());
     assert!(app.state.share.preview.is_none(), "nothing is made coarser");
     let all = app.state.share.facts.unwrap().placed_here;
     let mut decibels_of = |kilosplats: u64| {
-        let options =
-            ShareOptions { splats_are_bounded: true, kilosplats, ..app.state.share.options.clone() };
+        let options = Options { splats_are_bounded: true, kilosplats, ..app.state.share.options.clone() };
         app.apply(Command::Share(ShareCommand::Change(Box::new(options))));
         let is_of_it = |app: &OverlookApp| {
             let shown = app.state.share.preview.as_ref().map(|shown| &shown.key);
@@ -112,7 +111,7 @@ fn pictures_along_the_path_show_what_the_live_view_shows() {
     let written = |app: &mut OverlookApp, name: &str| {
         let pictures = folder.path().join(name);
         app.state.notices.clear();
-        app.take_path(Purpose::ExportPictures, pictures.clone());
+        app.take_path(Purpose::Share(&ways_out::pictures::PICTURES), pictures.clone());
         wait(app, "the pictures", |app| app.notices().iter().any(|told| told.starts_with("Exported")));
         image::open(pictures.join("0002.png")).unwrap().into_rgb8()
     };
@@ -134,7 +133,7 @@ fn cameras_are_written_as_other_programs_read_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("cameras.json");
     let mut app = ready(3, 2);
-    app.take_path(Purpose::SaveCameras, file.clone());
+    app.take_path(Purpose::Share(&ways_out::cameras::CAMERAS), file.clone());
     wait(&mut app, "the file", |_| file.is_file());
     let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
     let cameras = &app.state.doc.scene.as_ref().unwrap().cameras;
@@ -152,7 +151,7 @@ fn what_cannot_be_written_is_said_in_the_dialog_and_can_be_mended() {
     let mut app = ready(2, 2);
     app.apply(Command::Share(ShareCommand::Open(None)));
     app.state.notices.clear();
-    app.take_path(Purpose::ExportPage, folder.path().join("missing/scene.html"));
+    app.take_path(Purpose::Share(&ways_out::page::PAGE), folder.path().join("missing/scene.html"));
     wait(&mut app, "the error", |app| app.state.share.outcome.is_some());
     let outcome = app.state.share.outcome.clone().unwrap();
     assert!(
@@ -176,7 +175,7 @@ fn an_address_gives_back_the_viewpoint_and_the_frame_to_the_last_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
     let mut app = ready(2, 4);
-    app.take_path(Purpose::SaveStore, path.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
     settle(&mut app);
     for (nth, angles) in
         [DVec2::new(0.3, 0.1), DVec2::new(-2.1, -0.4), DVec2::new(1e-7, 0.0)].into_iter().enumerate()

@@ -11,6 +11,7 @@ use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::report::ui::figures;
 use crate::app::tests::{change_path, orrery, ready, set_method, settle, step, wait};
+use crate::ways_out;
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn has_notice(app: &OverlookApp, title: &str) -> bool {
@@ -22,7 +23,7 @@ fn of_files_asked_for_one_after_the_other_each_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 2);
     let store = folder.path().join("small.ovl");
-    app.take_path(Purpose::SaveStore, store.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), store.clone());
     let settings: Vec<_> = (0..4).map(|nth| folder.path().join(format!("{nth}.toml"))).collect();
     for path in &settings {
         app.take_path(Purpose::SaveSettings, path.clone());
@@ -40,7 +41,7 @@ fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() 
     for _ in 0..2 {
         app.apply(Command::Path(PathCommand::AddKey));
     }
-    app.take_path(Purpose::ExportPictures, folder.path().join("pictures"));
+    app.take_path(Purpose::Share(&ways_out::pictures::PICTURES), folder.path().join("pictures"));
     app.watch_work();
     assert_eq!(app.state.busy[0].work, WorkKind::Export);
     app.apply(Command::Cancel);
@@ -161,7 +162,7 @@ fn of_a_pixel_that_is_let_go_of_nothing_more_is_said() {
 fn paths_are_remembered_so_that_they_hold_wherever_the_window_is_started() {
     let here = std::env::current_dir().unwrap();
     let mut app = ready(2, 2);
-    app.take_path(Purpose::SaveStore, "no such folder/small.ovl".into());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), "no such folder/small.ovl".into());
     wait(&mut app, "the error", |app| !app.state.notices.is_empty());
     assert!(app.state.notices[0].text.contains(&here.join("no such folder").display().to_string()));
     app.open_path("missing.ovl".as_ref());
@@ -173,7 +174,7 @@ fn settings_kept_beside_a_store_are_those_that_it_shows() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
     let mut app = ready(2, 2);
-    app.take_path(Purpose::SaveStore, path.clone());
+    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
     settle(&mut app);
     set_method(&mut app, PruningMethod::Off);
     app.open_path(&path);

@@ -11,7 +11,5 @@ pub(crate) mod worker;
 pub(crate) mod workers;
 
 pub(crate) use crate::app::work::worker::{Outbox, Unread};
-pub(crate) use requests::{
-    Export, ExportRequest, FigureExport, FileRequest, OpenRequest, PathExport, StudyRequest,
-};
+pub(crate) use requests::{FileWork, OpenRequest, StudyRequest};
 pub(crate) use workers::Workers;

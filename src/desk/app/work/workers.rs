@@ -8,6 +8,7 @@ use super::worker::Supersede::{Alternate, Always, Never, Queue};
 use crate::app::model::picture::{CarryKey, LiveKey};
 use crate::app::model::purpose::{Destination, Purpose};
 use crate::app::model::{Message, State, WorkKind as Kind};
+use crate::app::rooms::charts;
 use crate::app::rooms::charts::work::{MeasureRequest, measure};
 use crate::app::rooms::colors::work::{ValuesRequest, values};
 use crate::app::rooms::compare::state::CompareKey;
@@ -26,10 +27,9 @@ use crate::app::rooms::report::work::{InspectRequest, PrepareRequest, WholeReque
 use crate::app::rooms::settings::work as histograms;
 use crate::app::rooms::settings::work::HistogramRequest;
 use crate::app::rooms::share::state::{ShareKey, SharePreviewKey};
-use crate::app::rooms::share::work::StoreMeter;
+use crate::app::rooms::share::work::{self, StoreMeter};
 use crate::app::rooms::source::work::{SourceRequest, paint_source};
-use crate::app::rooms::{charts, share};
-use crate::app::work::requests::{ExportRequest, FileRequest, OpenRequest, StudyRequest};
+use crate::app::work::requests::{FileWork, OpenRequest, StudyRequest};
 use crate::app::work::shown_samples::CameraFilter;
 use crate::app::work::worker::{AnySlot, Outbox, Slot, Worker};
 use overlook_engine::error::{Error, Result};
@@ -50,7 +50,7 @@ pub(crate) struct Workers {
     /// The last live picture, as the view shows it now.
     pub carry: Slot<CarryKey>,
     pub measure: Slot<MeasureRequest>,
-    pub file: Worker<FileRequest>,
+    pub file: Worker<FileWork>,
     /// The system's dialogs, and the name that they suggest.
     pub dialog: Worker<(Purpose, String)>,
     /// Whether a destination exists already.
@@ -61,7 +61,9 @@ pub(crate) struct Workers {
     pub histograms: Slot<HistogramRequest>,
     pub values: Slot<ValuesRequest>,
     pub compare: Slot<Box<CompareKey>>,
-    pub export: Worker<ExportRequest>,
+    pub export: Worker<FileWork>,
+    /// The threads on which filmed comparisons read whole captures.
+    pub filming: Arc<rayon::ThreadPool>,
     /// What the sizes of what is shared follow from.
     pub sizes: Slot<ShareKey>,
     /// What is shared within a budget, as a picture.
@@ -123,7 +125,7 @@ impl Workers {
         let editing = rendering.clone();
         let mut comparer = Comparer::new(studying.clone());
         let mut meter = StoreMeter::default();
-        let preview = move |key, job: &Job| previewing.install(|| share::work::preview(key, job));
+        let preview = move |key, job: &Job| previewing.install(|| work::preview(key, job));
         Ok(Self {
             open: Worker::start(Kind::Open, Always, outbox, crate::app::rooms::files::work::open)?,
             whole: Slot::start(Kind::Prune, Always, outbox, move |request, job| {
@@ -149,10 +151,7 @@ impl Workers {
                 let accuracy = measuring.install(|| measure(&request, job))?;
                 Ok(Message::Measured { scene: request.scene.id, settings: request.settings, accuracy })
             })?,
-            file: Worker::start(Kind::File, Queue, outbox, |request: FileRequest, job| {
-                let (title, text) = request.stopped();
-                or_stopped(job, title, text, || crate::app::rooms::files::work::file(request, job))
-            })?,
+            file: Worker::start(Kind::File, Queue, outbox, or_stopped)?,
             dialog: Worker::start(Kind::Dialog, Never, outbox, |(purpose, name), _| {
                 Ok(Message::PathChosen { purpose, path: ask(purpose, name) })
             })?,
@@ -173,14 +172,12 @@ impl Workers {
             compare: Slot::start(Kind::Compare, Alternate, outbox, move |key, job| {
                 comparer.answer(key, job)
             })?,
-            export: Worker::start(Kind::Export, Queue, outbox, move |request: ExportRequest, job| {
-                let export = || share::work::export(&request, &filming, job);
-                or_stopped(job, "Export stopped", request.stopped(), export)
-            })?,
+            export: Worker::start(Kind::Export, Queue, outbox, or_stopped)?,
+            filming,
             sizes: Slot::start(Kind::MeasureSizes, Never, outbox, move |key, job| meter.facts(&key, job))?,
             preview: Slot::start(Kind::PreviewShare, Never, outbox, preview)?,
             show_in_folder: Worker::start(Kind::ShowInFolder, Queue, outbox, |path: PathBuf, _| {
-                share::work::show_in_folder(&path)
+                work::show_in_folder(&path)
             })?,
             readings: Slot::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
@@ -244,13 +241,8 @@ impl Workers {
 }
 
 /// Does work, and sends a message if it is stopped.
-fn or_stopped(
-    job: &Job,
-    title: &'static str,
-    text: String,
-    work: impl FnOnce() -> Result<Message>,
-) -> Result<Message> {
-    match job.check().and_then(|()| work()) {
+fn or_stopped(FileWork { stopped: (title, text), run }: FileWork, job: &Job) -> Result<Message> {
+    match job.check().and_then(|()| run(job)) {
         Err(_) if job.is_cancelled() => Ok(Message::Stopped { title, text }),
         outcome => outcome,
     }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::demo::parse_size;
 use crate::cli::input::{EditsArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
-use crate::points;
+use crate::ways_out::points;
 use overlook_engine::capture::Capture;
 use overlook_engine::capture::transforms::write_cameras;
 use overlook_engine::error::Result;

@@ -102,12 +102,6 @@ pub(crate) fn amount(text: &str) -> Result<u64, String> {
     }
 }
 
-/// A finite number above 0.
-pub(crate) fn length(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "must be a number above 0".to_owned())
-}
-
 /// Which cameras are left out.
 #[derive(Debug, Args)]
 pub(crate) struct HoldOutArgs {

@@ -20,7 +20,7 @@ pub(crate) use output_guard::{
 pub(crate) use part_files::{Inputs, OpenPart, PartFiles};
 pub(crate) use picture::PicturePaths;
 pub(crate) use process::peak_rss_bytes;
-pub(crate) use progress::{STOPPED, watched};
+pub(crate) use progress::{STOPPED, export, watched};
 pub(crate) use results::{Journal, recorded, sweep_table, write_results};
 pub(crate) use score_table::{class_line, comparison_table, painter_line, picture_table, view_table};
 pub(crate) use size_table::Sizes;
@@ -30,5 +30,5 @@ pub(crate) use study::{
 };
 pub(crate) use text::{
     bytes, count, count_of, cut_by_hand, percent, print, print_error, print_json, print_parts, warn,
-    warn_of_values, without_depth,
+    without_depth, wrote_pictures,
 };

@@ -8,8 +8,11 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::command_error::CommandError;
 use super::text;
+use overlook_engine::error::Result;
 use overlook_engine::job::Job;
+use overlook_engine::store::playback::Playback;
 
 const REDRAW: Duration = Duration::from_millis(100);
 
@@ -60,6 +63,24 @@ pub(crate) fn watched<T>(work: impl FnOnce(&Job) -> T) -> T {
     let result = if std::io::stderr().is_terminal() { drawn(&job, work) } else { work(&job) };
     text::warn(&job.warnings());
     result
+}
+
+/// Writes something of stores, says why another renderer than that of the settings was used and what could not be read, and prints what
+/// was written. `work` gives that and the notice of the renderer. `form` is what was written where it holds no scalar values.
+pub(crate) fn export(
+    stores: &[Arc<Playback>],
+    form: Option<&str>,
+    work: impl FnOnce(&Job) -> Result<(String, Option<String>)>,
+) -> Result<(), CommandError> {
+    let (said, notice) = watched(work)?;
+    text::warn(notice.as_slice());
+    for playback in stores {
+        text::warn(&playback.store().damage());
+        if let Some(form) = form {
+            text::warn_of_values(&playback.outline().values, form);
+        }
+    }
+    text::print(&said)
 }
 
 /// Runs `work` while its progress is drawn.

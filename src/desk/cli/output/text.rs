@@ -1,7 +1,7 @@
 //! Printing, and numbers as text.
 
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indicatif::{DecimalBytes, HumanCount};
 use serde::Serialize;
@@ -11,7 +11,7 @@ use overlook_engine::capture::ValueChannel;
 use overlook_engine::edits::CutByHand;
 use overlook_engine::error::Error;
 use overlook_engine::part::Part;
-use overlook_engine::plural::noun;
+use overlook_engine::plural::{counted, noun};
 use overlook_engine::preprocess::diagnostics::Report;
 
 /// Prints lines of text.
@@ -63,6 +63,11 @@ pub(crate) fn warn_of_values(channels: &[ValueChannel], form: &str) {
         let names = names.join(", ");
         warn(&[format!("{form} holds no scalar values: {names} stay in the capture and the store")]);
     }
+}
+
+/// That pictures were written into a folder.
+pub(crate) fn wrote_pictures(count: usize, folder: &Path) -> String {
+    format!("Wrote {} (EXR and PNG) to {}", counted(count, "picture"), folder.display())
 }
 
 /// A count with separators: 1,234,567.

@@ -6,7 +6,7 @@ use crate::app::model::command::ChartCommand;
 use crate::app::model::window::NoticeKind;
 use crate::app::rooms::charts::sheet;
 use crate::app::rooms::charts::state::{Study, StudyQuestion, to_measure};
-use crate::app::work::{FileRequest, StudyRequest};
+use crate::app::work::StudyRequest;
 use overlook_engine::settings::Settings;
 use overlook_lab::stress::StressPlan;
 use overlook_lab::sweep::SweepPlan;
@@ -41,7 +41,7 @@ impl OverlookApp {
     /// Draws a chart for the clipboard.
     fn copy_chart(&mut self, study: Study) {
         match sheet(study, &self.state) {
-            Some(chart) => self.workers.file.submit(FileRequest::CopyChart { study, chart }),
+            Some(chart) => self.draw_chart(study, chart),
             None => self.state.warn_of_scene("Nothing to copy", study.no_chart()),
         }
     }

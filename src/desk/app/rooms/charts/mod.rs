@@ -42,7 +42,7 @@ fn sheet_of_sweep(scene: &str, charts: &Charts) -> Option<Chart> {
 fn sheet_of_stress_test(scene: &str, charts: &Charts) -> Option<Chart> {
     let named = |point: &StressPoint| StressPoint {
         method: method_name(&point.method).to_owned(),
-        disturbance: crate::app::model::text::words(&point.disturbance),
+        disturbance: crate::text::words(&point.disturbance),
         ..point.clone()
     };
     let shown = charts.stress.iter().filter(|point| charts.shows(Study::Stress, method_name(&point.method)));

@@ -9,11 +9,11 @@ use std::sync::Arc;
 
 use crate::app::model::same::Same;
 use crate::app::model::state::State;
-use crate::app::model::text::significant;
 use crate::app::model::undo::SettingsSlot;
 use crate::app::rooms::compare::state::{
     CompareKey, CompareLook, CompareMeasure, CompareSide, ComparisonFigure, PictureDifference, PictureFolder,
 };
+use crate::text::significant;
 
 impl State {
     /// What a figure of the comparison shows; `None` where there is none, or where its sides cannot be compared.

@@ -8,7 +8,7 @@ use crate::app::colormap::{diverging, sequential};
 use crate::app::model::picture::PictureZoom;
 use crate::app::model::same::Same;
 use crate::app::model::scene::OpenScene;
-use crate::app::model::text::significant;
+use crate::text::significant;
 use overlook_engine::capture::TruthLoader;
 use overlook_engine::capture::transforms::OtherPictures;
 use overlook_engine::grid::Grid;

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use crate::app::control::OverlookApp;
 use crate::app::model::command::EditCommand;
 use crate::app::model::window::NoticeKind;
-use crate::app::model::{Part, Undoable};
+use crate::app::model::{Message, Part, Undoable};
 use crate::app::rooms::edits::state::{BRUSH_RADII, EditKey, EditedScene};
-use crate::app::work::FileRequest;
 use overlook_engine::edits::{Action, Edit, EditList, Region};
 use overlook_engine::plural::counted;
+use overlook_engine::whole_file;
 
 impl OverlookApp {
     /// Carries out what concerns edits.
@@ -73,7 +73,10 @@ impl OverlookApp {
 
     pub(crate) fn save_edits(&mut self, path: PathBuf) {
         let list = self.state.doc.edits.list.clone();
-        self.workers.file.submit(FileRequest::SaveEdits { path, list });
+        self.save(path, move |path, _| {
+            whole_file::write_all(path, list.to_toml())?;
+            Ok(Message::EditsSaved { path: path.to_path_buf(), list })
+        });
     }
 
     pub(crate) fn edits_saved(&mut self, path: &std::path::Path, list: EditList) {

@@ -1,22 +1,28 @@
 //! Paths that are chosen in a dialog or typed: their purpose, whether there is anything to write, and whether they exist already.
 
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::app::control::OverlookApp;
 use crate::app::model::command::{FileCommand, Opening};
-use crate::app::model::purpose::{Destination, FigureOf, Purpose, TableForm, TypedPath};
+use crate::app::model::purpose::{AskedPath, Destination, FigureOf, Purpose, TableForm, TypedPath};
 use crate::app::model::window::NoticeKind;
-use crate::app::model::{Command, Content, SceneSource, State, WorkKind};
+use crate::app::model::{Command, Message, SceneSource, State, WorkKind};
 use crate::app::rooms::charts::sheet;
-use crate::app::rooms::files::state::SESSION_ENDING;
-use crate::app::rooms::files::work::{FIGURE_ENDINGS, with_ending};
+use crate::app::rooms::charts::state::Study;
+use crate::app::rooms::files::work::{chart_bytes, chart_image, open_rendered, read_path};
 use crate::app::rooms::path::NO_KEYS;
 use crate::app::rooms::report::table_text;
-use crate::app::work::FileRequest;
-use overlook_engine::error::Error;
-use overlook_engine::splats::SplatFormat;
+use crate::app::work::FileWork;
+use crate::ways_out::store::STORE;
+use crate::ways_out::{Action, Needs};
+use overlook_engine::capture::transforms::path_to_json;
+use overlook_engine::edits::EditList;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::settings::Settings;
+use overlook_engine::whole_file;
+use overlook_lab::chart::Chart;
 
 /// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
 const NO_DIALOG: Duration = Duration::from_secs(2);
@@ -113,7 +119,8 @@ impl OverlookApp {
         match path {
             // The dialog asks before it replaces a file of the chosen name, but not for folders, nor for a name with an added ending.
             Some(path)
-                if (purpose.fills_folder() || named(purpose, path.clone()).as_ref() != Some(&path))
+                if (purpose.asked().endings.is_empty()
+                    || named(purpose, path.clone()).as_ref() != Some(&path))
                     && path.to_str().is_some() =>
             {
                 self.type_path(purpose, None);
@@ -125,7 +132,7 @@ impl OverlookApp {
                 self.type_path(purpose, Some(NO_DIALOG_WORDS.to_owned()));
             }
             None => {
-                let entry = purpose.typed_entry();
+                let entry = purpose.asked().entry;
                 let palette = if entry.ends_with('…') { "" } else { " of the commands (Ctrl+P)" };
                 let text =
                     format!("Where no file dialog appears, \"{entry}\"{palette} takes a path that is typed.");
@@ -153,110 +160,85 @@ impl OverlookApp {
         if self.refuses(purpose) {
             return;
         }
-        self.begin_sharing(purpose, &path);
+        let scene = self.state.doc.scene.clone();
         match purpose {
             Purpose::OpenFile | Purpose::OpenFolder => {
                 self.apply(Command::File(FileCommand::Open(Opening::Path(path))));
             }
-            Purpose::SaveStore => self.save_store(path),
+            Purpose::Share(kind) => self.share(kind, path),
             Purpose::SaveSettings => {
                 let settings = self.state.shown_settings();
-                self.workers.file.submit(FileRequest::SaveSettings { path, settings });
+                self.save(path, move |path, _| saved(path, settings.to_toml()));
             }
-            Purpose::LoadSettings => self.workers.file.submit(FileRequest::LoadSettings { path }),
+            Purpose::LoadSettings => self.load(path, |path, _| {
+                Ok(Message::SettingsLoaded { settings: Settings::load(path)?, path: path.to_path_buf() })
+            }),
             Purpose::SaveTable(table) => {
                 if let Some(text) = table_text(table, TableForm::of_file(&path), &self.state) {
-                    self.workers.file.submit(FileRequest::SaveText { path, text });
+                    self.save(path, move |path, _| saved(path, text));
                 }
             }
             Purpose::SaveChart(study) => {
                 if let Some(chart) = sheet(study, &self.state) {
-                    self.workers.file.submit(FileRequest::SaveChart { path, chart });
+                    self.save(path, move |path, _| saved(path, chart_bytes(path, &chart)?));
                 }
             }
-            Purpose::SavePicture => self.save_picture(path),
-            Purpose::SaveCameras => self.save_cameras(path),
             Purpose::SavePath => self.save_path(path),
             Purpose::LoadPath => {
-                if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
-                    self.workers.file.submit(FileRequest::LoadPath { path, scene });
-                }
+                let Some(scene) = scene.map(|scene| scene.id) else { return };
+                self.load(path, move |path, _| {
+                    Ok(Message::PathLoaded { scene, file: read_path(path)?, path: path.to_path_buf() })
+                });
             }
             Purpose::SaveEdits => self.save_edits(path),
             Purpose::SaveSession => self.save_session(&path),
             Purpose::LoadEdits => {
-                if let Some(scene) = self.state.doc.scene.as_ref().map(|scene| scene.id) {
-                    self.workers.file.submit(FileRequest::LoadEdits { path, scene });
-                }
+                let Some(scene) = scene.map(|scene| scene.id) else { return };
+                self.load(path, move |path, _| {
+                    Ok(Message::EditsLoaded { scene, list: EditList::load(path)?, path: path.to_path_buf() })
+                });
             }
             Purpose::OpenPictures => {
-                if let Some(scene) = self.state.doc.scene.clone() {
-                    self.workers.file.submit(FileRequest::OpenPictures { path, scene });
-                }
+                let Some(scene) = scene else { return };
+                self.load(path, move |path, _| {
+                    Ok(Message::PicturesOpened { scene: scene.id, folder: open_rendered(path, &scene)? })
+                });
             }
-            Purpose::ExportPictures
-            | Purpose::ExportExr
-            | Purpose::ExportFilm
-            | Purpose::ExportPage
-            | Purpose::ExportSplats(_)
-            | Purpose::ExportPoints
-            | Purpose::ExportPointsOfFrames => self.export(purpose, path),
-            Purpose::ExportFigure => self.export_figure(path),
         }
     }
 
-    fn save_picture(&mut self, path: PathBuf) {
-        if let Some(size) = self.state.share.options.picture_size
-            && self.export_view(path.clone(), size)
-        {
-            return;
-        }
-        let shown = self.state.doc.live_shown.as_ref();
-        let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
-        let picture = self.state.shown_picture().cloned();
-        if let Some((picture, rendered)) = picture.zip(rendered) {
-            let display = self.state.display;
-            self.workers.file.submit(FileRequest::SavePicture { path, picture, rendered, display });
-        } else {
-            self.state.share.asked = None;
-            self.notify_in_motion();
-        }
+    /// Writes a file once those before it are written.
+    pub(crate) fn save(
+        &mut self,
+        path: PathBuf,
+        write: impl FnOnce(&Path, &Job) -> Result<Message> + Send + 'static,
+    ) {
+        let stopped = ("Saving stopped", format!("Nothing was written to {}.", path.display()));
+        self.workers.file.submit(FileWork::new(stopped, move |job| write(&path, job)));
     }
 
-    /// Writes the cameras: as they were pruned, or as the capture has them.
-    fn save_cameras(&mut self, path: PathBuf) {
-        let state = &self.state;
-        let Some(scene) = &state.doc.scene else { return };
-        let cameras =
-            state.current_whole().map_or_else(|| scene.cameras.clone(), |whole| whole.cameras.clone());
-        let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
-        let up_in_world = state.up_in_world();
-        self.workers.file.submit(FileRequest::SaveCameras { path, cameras, frame_number, up_in_world });
+    /// Reads a file, likewise.
+    fn load(&mut self, path: PathBuf, read: impl FnOnce(&Path, &Job) -> Result<Message> + Send + 'static) {
+        let stopped = ("Loading stopped", format!("Nothing was read from {}.", path.display()));
+        self.workers.file.submit(FileWork::new(stopped, move |job| read(&path, job)));
+    }
+
+    /// Draws a chart for the clipboard.
+    pub(crate) fn draw_chart(&mut self, study: Study, chart: Chart) {
+        let stopped = ("Copying stopped", "Nothing was copied.".to_owned());
+        let draw = move |_: &Job| Ok(Message::ChartDrawn { study, image: chart_image(&chart)? });
+        self.workers.file.submit(FileWork::new(stopped, draw));
     }
 
     fn save_path(&mut self, path: PathBuf) {
         let Some(scene) = self.state.doc.scene.clone() else { return };
-        let (camera_path, size) = (self.state.doc.path.clone(), self.state.export_size());
+        let (saved, size) = (self.state.doc.path.clone(), self.state.export_size());
         let up_in_world = self.state.up_in_world();
-        self.workers.file.submit(FileRequest::SavePath { path, scene, camera_path, size, up_in_world });
-    }
-
-    fn save_store(&mut self, path: PathBuf) {
-        let Some(scene) = &self.state.doc.scene else { return };
-        let edits = self.state.doc.edits.list.clone();
-        if let Content::Store { playback, .. } = &scene.content {
-            let playback = playback.clone();
-            self.workers.file.submit(FileRequest::SaveAgain { path, playback, edits });
-        } else if !edits.is_idle() {
-            let (scene, settings) = (scene.clone(), self.state.settings.clone());
-            self.workers.file.submit(FileRequest::SaveEdited { path, scene, settings, edits });
-        } else if let Some(whole) = &self.state.doc.whole {
-            // The store records the rendering settings of now, so that it looks the same when it is opened.
-            let mut samples = (*whole.samples).clone();
-            samples.settings.render = self.state.settings.render.clone();
-            let (scene, samples, report) = (scene.clone(), Arc::new(samples), whole.report.clone());
-            self.workers.file.submit(FileRequest::SaveStore { path, scene, samples, report });
-        }
+        self.save(path, move |path, _| {
+            let views = saved.views(size, &scene.frame_numbers);
+            whole_file::write_all(path, path_to_json(up_in_world, &views, saved.easing)?)?;
+            Ok(Message::PathSaved { path: path.to_path_buf(), saved })
+        });
     }
 
     /// Whether something that a purpose needs is missing; warns if so.
@@ -283,20 +265,21 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
             let is_empty = sheet(study, state).is_none();
             return is_empty.then(|| ("Nothing to save yet", study.no_chart()));
         }
-        Purpose::SaveStore => ("Nothing to save yet", no_samples()),
-        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportFilm => {
-            let compares = state.share.options.compares.is_some();
-            let no_place = || if compares { no_figure(state, FigureOf::Live) } else { no_keys() };
-            ("Nothing to export yet", no_samples().or_else(no_place))
+        Purpose::Share(kind) => {
+            let no_film = || match state.share.options.compares {
+                Some(_) => no_figure(state, FigureOf::Live),
+                None => no_keys(),
+            };
+            let missing = match kind.needs {
+                Needs::Nothing => None,
+                Needs::Scene => no_scene(),
+                Needs::Samples => no_samples(),
+                Needs::Film => no_samples().or_else(no_film),
+                Needs::Figure => no_scene().or_else(|| no_figure(state, state.share.options.figure_of)),
+            };
+            let is_saved = kind.action == Action::Save;
+            (if is_saved { "Nothing to save yet" } else { "Nothing to export yet" }, missing)
         }
-        Purpose::ExportPage
-        | Purpose::ExportSplats(_)
-        | Purpose::ExportPoints
-        | Purpose::ExportPointsOfFrames => ("Nothing to export yet", no_samples()),
-        Purpose::ExportFigure => {
-            ("Nothing to export yet", no_scene().or_else(|| no_figure(state, state.share.options.figure_of)))
-        }
-        Purpose::SaveCameras => ("Nothing to save yet", no_scene()),
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::SaveSession => {
@@ -311,11 +294,9 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
             "Nothing to compare pictures with",
             no_capture("Open a capture first: a store has no viewpoints with true pictures."),
         ),
-        Purpose::OpenFile
-        | Purpose::OpenFolder
-        | Purpose::SaveSettings
-        | Purpose::LoadSettings
-        | Purpose::SavePicture => return None,
+        Purpose::OpenFile | Purpose::OpenFolder | Purpose::SaveSettings | Purpose::LoadSettings => {
+            return None;
+        }
     };
     text.map(|text| (title, text.to_owned()))
 }
@@ -348,58 +329,33 @@ fn not_pruned(state: &State) -> &'static str {
     }
 }
 
-/// What is wrong with a name that [`named`] does not take.
-pub(crate) fn other_ending(purpose: Purpose) -> String {
-    match endings(purpose) {
-        Some([ending, ..]) => format!("A file of this kind is named .{ending}."),
-        _ => "A picture is written as PNG or EXR; name it .png or .exr.".to_owned(),
-    }
+/// Writes a text or bytes to a file.
+pub(crate) fn saved(path: &Path, bytes: impl AsRef<[u8]>) -> Result<Message> {
+    whole_file::write_all(path, bytes)?;
+    Ok(Message::Saved { path: path.to_path_buf(), bytes: None, holds: None })
 }
 
-/// The endings that a file of a purpose may have and no others, the usual one first; `None` where others may be typed on purpose.
-fn endings(purpose: Purpose) -> Option<&'static [&'static str]> {
-    match purpose {
-        Purpose::ExportFilm => Some(&["mp4", "m4v"]),
-        Purpose::ExportPage => Some(&["html", "htm"]),
-        Purpose::ExportFigure | Purpose::SaveChart(_) => Some(&FIGURE_ENDINGS),
-        Purpose::SaveTable(_) => Some(&["csv", "md", "tex"]),
-        Purpose::SaveSession => Some(&[SESSION_ENDING]),
-        Purpose::SaveCameras => Some(&["json"]),
-        Purpose::ExportSplats(SplatFormat::Ply) | Purpose::ExportPoints => Some(&["ply"]),
-        Purpose::ExportSplats(SplatFormat::Spz) => Some(&["spz"]),
-        Purpose::ExportSplats(SplatFormat::Glb) => Some(&["glb"]),
-        Purpose::ExportSplats(SplatFormat::Usda) => Some(&["usda"]),
-        _ => None,
+/// What is wrong with a name that [`named`] does not take.
+pub(crate) fn other_ending(purpose: Purpose) -> String {
+    match purpose.asked().endings {
+        endings if endings.contains(&"exr") => {
+            "A picture is written as PNG or EXR; name it .png or .exr.".to_owned()
+        }
+        endings => format!("A file of this kind is named .{}.", endings.first().unwrap_or(&"")),
     }
 }
 
 /// A likely name of a file to write; empty for a path that must exist already.
 pub(crate) fn suggested_name(state: &State, purpose: Purpose) -> String {
-    let name = state.doc.scene.as_ref().map_or("capture", |scene| &scene.name);
-    match purpose {
-        Purpose::SaveStore => format!("{name}.ovl"),
-        Purpose::ExportPage => format!("{name}.html"),
-        Purpose::ExportSplats(format) => format!("{name}.{format}"),
-        Purpose::ExportFigure => "figure.pdf".to_owned(),
-        Purpose::ExportPoints => "points.ply".to_owned(),
-        Purpose::ExportPointsOfFrames => "points".to_owned(),
-        Purpose::SavePicture if state.share.options.linear => "picture.exr".to_owned(),
-        Purpose::SaveSettings => "settings.toml".to_owned(),
-        Purpose::SavePicture => "picture.png".to_owned(),
-        Purpose::SaveTable(table) => table.file().to_owned(),
-        Purpose::SaveChart(study) => study.chart_file().to_owned(),
-        Purpose::ExportPictures | Purpose::ExportExr => "pictures".to_owned(),
-        Purpose::ExportFilm => "video.mp4".to_owned(),
-        Purpose::SaveCameras => "cameras.json".to_owned(),
-        Purpose::SavePath => "transforms.json".to_owned(),
-        Purpose::SaveEdits => "edits.toml".to_owned(),
-        Purpose::SaveSession => format!("session.{SESSION_ENDING}"),
-        Purpose::OpenFile
-        | Purpose::OpenFolder
-        | Purpose::LoadSettings
-        | Purpose::LoadPath
-        | Purpose::LoadEdits
-        | Purpose::OpenPictures => String::new(),
+    let AskedPath { endings, stem, .. } = purpose.asked();
+    let scene = || state.doc.scene.as_ref().map_or("capture", |scene| &scene.name);
+    let stem = if stem.is_empty() { scene() } else { stem };
+    match (purpose, endings.first()) {
+        (Purpose::SaveTable(table), _) => table.file().to_owned(),
+        (Purpose::SaveChart(study), _) => study.chart_file().to_owned(),
+        _ if !purpose.writes() => String::new(),
+        (_, Some(ending)) => format!("{stem}.{ending}"),
+        (_, None) => stem.to_owned(),
     }
 }
 
@@ -416,25 +372,17 @@ pub(crate) fn place(text: &str) -> Option<PathBuf> {
 
 /// The path with the ending that a file of this purpose needs; `None` if it has the ending of another kind of file.
 pub(crate) fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
-    let ending = match purpose {
-        Purpose::SavePicture => return with_ending(path),
-        Purpose::SaveStore => "ovl",
-        Purpose::SaveSettings | Purpose::SaveEdits => "toml",
-        Purpose::SaveTable(_) => "csv",
-        _ => match endings(purpose) {
-            Some([usual, ..]) => usual,
-            _ => return Some(path),
-        },
-    };
+    let endings = purpose.asked().endings;
+    let Some(usual) = endings.first().filter(|_| purpose.writes()) else { return Some(path) };
     // Digits after a dot, as in `take.2`, are part of the name; any other ending was typed on purpose.
-    let known = path
-        .extension()
-        .is_some_and(|typed| typed.len() > 1 && !typed.to_string_lossy().chars().all(|c| c.is_ascii_digit()));
-    if let (true, Some(endings)) = (known, endings(purpose)) {
-        let is_one = |ending: &&str| path.extension().is_some_and(|typed| typed.eq_ignore_ascii_case(ending));
-        return endings.iter().any(is_one).then_some(path);
-    }
-    Some(if known { path } else { PathBuf::from(format!("{}.{ending}", path.display())) })
+    let typed = path.extension().map(|typed| typed.to_string_lossy().into_owned());
+    let typed = typed.filter(|typed| typed.len() > 1 && !typed.chars().all(|c| c.is_ascii_digit()));
+    let Some(typed) = typed else { return Some(PathBuf::from(format!("{}.{usual}", path.display()))) };
+    let takes_others = matches!(
+        purpose,
+        Purpose::Share(&STORE) | Purpose::SaveSettings | Purpose::SaveEdits | Purpose::SavePath
+    );
+    (takes_others || endings.iter().any(|ending| typed.eq_ignore_ascii_case(ending))).then_some(path)
 }
 
 /// The destination of the path in the field; `None` if it cannot be taken.
@@ -450,29 +398,37 @@ pub(crate) fn lasting(path: PathBuf) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::rooms::charts::state::Study;
+    use crate::ways_out::film::VIDEO;
+    use crate::ways_out::page::PAGE;
+    use crate::ways_out::pictures::PICTURE;
+    use crate::ways_out::points::POINTS;
+    use crate::ways_out::splats::GLB;
 
     #[test]
     fn a_name_without_an_ending_gets_that_of_its_purpose() {
         let named = |purpose, path: &str| named(purpose, path.into()).unwrap();
-        assert_eq!(named(Purpose::SaveStore, "/a/capture"), PathBuf::from("/a/capture.ovl"));
-        assert_eq!(named(Purpose::SaveStore, "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
-        assert_eq!(named(Purpose::SaveStore, "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::Share(&STORE), "/a/capture"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::Share(&STORE), "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
+        assert_eq!(named(Purpose::Share(&STORE), "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
         assert_eq!(named(Purpose::SaveSettings, "/a/mine"), PathBuf::from("/a/mine.toml"));
-        assert_eq!(named(Purpose::ExportFilm, "/a/b.m4v"), PathBuf::from("/a/b.m4v"));
+        assert_eq!(named(Purpose::Share(&VIDEO), "/a/b.m4v"), PathBuf::from("/a/b.m4v"));
         assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));
-        assert_eq!(named(Purpose::ExportPage, "/a/scene"), PathBuf::from("/a/scene.html"));
-        assert_eq!(named(Purpose::ExportPage, "/a/scene.HTM"), PathBuf::from("/a/scene.HTM"));
+        assert_eq!(named(Purpose::Share(&PAGE), "/a/scene"), PathBuf::from("/a/scene.html"));
+        assert_eq!(named(Purpose::Share(&PAGE), "/a/scene.HTM"), PathBuf::from("/a/scene.HTM"));
+        let picture = Purpose::Share(&PICTURE);
+        assert_eq!(named(picture, "/a/view"), PathBuf::from("/a/view.png"));
+        assert_eq!(named(picture, "/a/view.EXR"), PathBuf::from("/a/view.EXR"));
         let chart = Purpose::SaveChart(Study::Sweep);
         assert_eq!(named(chart, "/a/sweep"), PathBuf::from("/a/sweep.pdf"));
         assert_eq!(named(chart, "/a/sweep.SVG"), PathBuf::from("/a/sweep.SVG"));
-        let splats = Purpose::ExportSplats(SplatFormat::Glb);
+        let splats = Purpose::Share(&GLB);
         assert_eq!(named(splats, "/a/scene.2"), PathBuf::from("/a/scene.2.glb"));
         for (purpose, path) in [
-            (Purpose::ExportPage, "/a/scene.ovl"),
+            (Purpose::Share(&PAGE), "/a/scene.ovl"),
             (splats, "/a/b.ply"),
-            (Purpose::ExportPoints, "/a/b.ovl"),
+            (Purpose::Share(&POINTS), "/a/b.ovl"),
             (chart, "/a/b.jpg"),
+            (Purpose::Share(&PICTURE), "/a/view.jpg"),
         ] {
             assert_eq!(
                 super::named(purpose, path.into()),

@@ -10,17 +10,17 @@ use crate::app::model::purpose::Purpose;
 use crate::app::model::window::NoticeKind;
 use crate::app::model::{OpenScene, SceneSource};
 use crate::app::rooms::files::SessionLook;
+use crate::app::rooms::files::paths::saved;
 use crate::app::rooms::files::state::Session;
 use crate::app::rooms::live::state::KeptView;
 use crate::app::rooms::path::CameraPath;
-use crate::app::work::FileRequest;
 
 impl OverlookApp {
     /// Writes the session.
     pub(crate) fn save_session(&mut self, place: &Path) {
         let Some(session) = self.session() else { return };
         match session.to_text(place) {
-            Ok(text) => self.workers.file.submit(FileRequest::SaveText { path: place.to_path_buf(), text }),
+            Ok(text) => self.save(place.to_path_buf(), move |path, _| saved(path, text)),
             Err(error) => self.state.notify(NoticeKind::Error, "Session not saved", error.to_string()),
         }
     }

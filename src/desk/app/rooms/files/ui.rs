@@ -10,14 +10,14 @@ use egui::{
 use egui_material_icons::icons::ICON_FOLDER_OPEN;
 
 use crate::app::model::command::{FileCommand, Opening, WindowCommand};
-use crate::app::model::purpose::{Purpose, Table, TypedPath};
+use crate::app::model::purpose::{AskedPath, Purpose, ShareCommand, Table, TypedPath};
 use crate::app::model::texture::RECENT_SIDES;
-use crate::app::model::ways_out::{ShareCommand, ShareWay};
 use crate::app::model::window::{DockView, Workspace};
 use crate::app::model::{self, Command, Commands, SceneSource, State};
 use crate::app::rooms::files::state::RecentPicture;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, text_field_ui, weak};
+use crate::ways_out::{Action, Way};
 use overlook_engine::plural::counted;
 
 /// What a first run explains: title and text. Each speaks of a view that the first workspace shows.
@@ -158,7 +158,7 @@ fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut C
     let saves = closes && state.is_unsaved() && !inspector.closing.writing;
     if saves && ui.button("Share the store…").accessible_name("Save before closing").clicked() {
         commands.push(Command::File(FileCommand::Stay));
-        commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Store))));
+        commands.push(Command::Share(ShareCommand::Open(Some(Way::Store))));
     }
     let path = &state.doc.path;
     if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {
@@ -270,38 +270,27 @@ fn picture_ui(ui: &Ui, area: Rect, picture: &RecentPicture) {
 /// The question before something is replaced.
 fn replaced_words(typed: &TypedPath) -> String {
     let path = typed.text.trim();
-    match typed.purpose {
-        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportPointsOfFrames => {
-            format!(
-                "Replace files in {path}? It holds files already; those of the same name will be replaced."
-            )
-        }
-        _ => format!("Replace {path}? It exists already."),
+    if typed.purpose.asked().endings.is_empty() {
+        return format!(
+            "Replace files in {path}? It holds files already; those of the same name will be replaced."
+        );
     }
+    format!("Replace {path}? It exists already.")
 }
 
-/// What the button does, and what kind of path it takes.
-fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
-    match purpose {
-        Purpose::OpenFile | Purpose::OpenFolder => {
-            ("Open", "folder of a capture, transforms.json, .ovl file, or the address of a view")
+/// What kind of path the field takes.
+fn hint(purpose: Purpose, AskedPath { action, endings, .. }: &AskedPath) -> String {
+    match endings {
+        _ if *action == Action::Open => {
+            "folder of a capture, transforms.json, .ovl file, or the address of a view".to_owned()
         }
-        Purpose::SaveStore => ("Save", ".ovl file"),
-        Purpose::SaveSettings | Purpose::SaveEdits => ("Save", ".toml file"),
-        Purpose::SaveSession => ("Save", ".overlook file"),
-        Purpose::SaveTable(_) => ("Save", ".csv, .md or .tex file"),
-        Purpose::SavePicture => ("Save", ".png or .exr file"),
-        Purpose::ExportPictures | Purpose::ExportExr | Purpose::ExportPointsOfFrames => ("Export", "folder"),
-        Purpose::ExportPage => ("Export", ".html file"),
-        Purpose::ExportSplats(_) => ("Export", "file of splats"),
-        Purpose::ExportFigure => ("Export", ".pdf, .svg or .png file"),
-        Purpose::SaveChart(_) => ("Save", ".pdf, .svg or .png file"),
-        Purpose::ExportPoints => ("Export", ".ply file"),
-        Purpose::ExportFilm => ("Export", ".mp4 file"),
-        Purpose::SaveCameras | Purpose::SavePath => ("Save", "transforms.json"),
-        Purpose::LoadPath => ("Load", "transforms.json"),
-        Purpose::OpenPictures => ("Load", "folder of pictures"),
-        Purpose::LoadSettings | Purpose::LoadEdits => ("Load", ".toml file"),
+        [] if purpose == Purpose::OpenPictures => "folder of pictures".to_owned(),
+        [] => "folder".to_owned(),
+        [before @ .., last] => {
+            let before: Vec<String> = before.iter().map(|ending| format!(".{ending}")).collect();
+            let or = if before.is_empty() { "" } else { " or " };
+            format!("{}{or}.{last} file", before.join(", "))
+        }
     }
 }
 
@@ -309,8 +298,9 @@ fn action_and_hint(purpose: Purpose) -> (&'static str, &'static str) {
 pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     let Some(typed) = &state.typed_path else { return };
     let purpose = typed.purpose;
-    let (action, hint) = action_and_hint(purpose);
-    let title = if action == "Open" { "Open a capture or a store" } else { purpose.title() };
+    let asked = purpose.asked();
+    let is_opened = asked.action == Action::Open;
+    let title = if is_opened { "Open a capture or a store" } else { asked.title };
     let modal = Modal::new(Id::unique("path field")).show(ctx, |ui| {
         ui.set_width(480.0);
         ui.heading(title);
@@ -326,7 +316,7 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         }
         ui.add_space(space::MEDIUM);
         let mut text = typed.text.clone();
-        let (changed, entered) = text_field_ui(ui, &mut text, hint, "Path");
+        let (changed, entered) = text_field_ui(ui, &mut text, &hint(purpose, &asked), "Path");
         if changed {
             commands.push(Command::File(FileCommand::TypedPath(text)));
         }
@@ -338,7 +328,7 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         }
         ui.add_space(space::MEDIUM);
         ui.horizontal(|ui| {
-            let action = if typed.replaces { "Replace" } else { action };
+            let action = if typed.replaces { "Replace" } else { asked.action.word() };
             let take = ui.add_enabled(!typed.text.trim().is_empty(), egui::Button::new(action));
             if take.accessible_name(format!("{action} this path")).clicked() {
                 commands.push(Command::File(FileCommand::TakeTypedPath));

@@ -11,8 +11,7 @@ use egui_material_icons::icons::{
 };
 
 use crate::app::model::command::{FileCommand, Opening, ReadingCommand, ViewCommand, WindowCommand};
-use crate::app::model::purpose::{FigureOf, Purpose};
-use crate::app::model::ways_out::ShareCommand;
+use crate::app::model::purpose::{FigureOf, Purpose, ShareCommand};
 use crate::app::model::window::{
     Area, CommandPalette, DockView, HelpPage, Notice, NoticeKind, NoticeLink, Workspace,
 };

@@ -8,11 +8,11 @@ use egui_material_icons::icons::{
 };
 
 use crate::app::model::command::{FileCommand, PathCommand};
-use crate::app::model::purpose::Purpose;
-use crate::app::model::ways_out::{ShareCommand, ShareWay};
+use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::path::{CameraPath, KeyNeighbor, MOST_ON_A_LEG, SavedPathKey, Turntable};
 use crate::app::widgets::{choice_ui, empty_ui, icon_button, note, view_picture_ui, weak};
+use crate::ways_out::Way;
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::plural::counted;
 
@@ -148,7 +148,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
         PathControls::File => {
             path_file_ui(ui, state, ready, commands);
             if ui.button("Share…").on_hover_text(SHARE).accessible_name("Share the camera path").clicked() {
-                commands.push(Command::Share(ShareCommand::Open(Some(ShareWay::Film))));
+                commands.push(Command::Share(ShareCommand::Open(Some(Way::Film))));
             }
         }
     }

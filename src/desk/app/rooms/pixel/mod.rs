@@ -5,10 +5,11 @@ pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;
 
+use crate::app::model::camera_text::CameraText;
 use crate::app::model::scene::OpenScene;
 use crate::app::model::state::State;
-use crate::app::model::text::{self, CameraText};
 use crate::app::rooms::pixel::state::Probed;
+use crate::text;
 use overlook_engine::capture::Camera;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::preprocess::inspect::{CameraEvidence, ChainLink};

@@ -6,10 +6,10 @@ use egui_material_icons::icons::{
     ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING, ICON_TABLE_VIEW,
 };
 
+use crate::app::model::camera_text::CameraText;
 use crate::app::model::command::{PixelCommand, ViewCommand};
 use crate::app::model::look::Unit;
 use crate::app::model::purpose::{Table, TableForm};
-use crate::app::model::text::CameraText;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::pixel::state::Probed;
 use crate::app::rooms::pixel::{

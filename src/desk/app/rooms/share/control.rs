@@ -1,23 +1,46 @@
 //! Carries out what concerns the dialog of all ways out, and writes what is shared.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use egui::TextureOptions;
 
 use crate::app::control::OverlookApp;
-use crate::app::model;
-use crate::app::model::command::{ExportTarget, Exported};
-use crate::app::model::purpose::{FigureOf, FigureOptions, Purpose};
-use crate::app::model::ways_out::ShareCommand;
+use crate::app::model::purpose::ShareCommand;
 use crate::app::model::window::{DockView, NoticeKind, and_others};
-use crate::app::model::{Texture, WorkKind};
+use crate::app::model::{self, Content, Message, Texture, WorkKind};
 use crate::app::rooms::files::paths::{no_figure, no_scene};
-use crate::app::rooms::share::state::{ShareOutcome, SharePreview, SharePreviewKey, ShownPreview};
-use crate::app::work::{Export, ExportRequest, FigureExport, PathExport};
-use overlook_engine::error::Error;
-use overlook_engine::page::{PageOptions, PagePath};
+use crate::app::rooms::files::work::save_picture;
+use crate::app::rooms::share::PathExport;
+use crate::app::rooms::share::state::{Exported, ShareOutcome, SharePreview, SharePreviewKey, ShownPreview};
+use crate::app::rooms::share::work::pictures::{self, of_comparison, of_live_view, of_source_picture};
+use crate::app::rooms::share::work::{write_path, write_view};
+use crate::app::work::FileWork;
+use crate::pruned_store::prune_into_store;
+use crate::ways_out::cameras::CAMERAS;
+use crate::ways_out::figure::{FIGURE, FigureOf, FigureOptions};
+use crate::ways_out::film::VIDEO;
+use crate::ways_out::pictures::{LINEAR_PICTURE, LINEAR_PICTURES, PICTURE, PICTURES};
+use crate::ways_out::store::STORE;
+use crate::ways_out::{FileKind, Frames, Shared, WAYS};
+use overlook_engine::capture::Capture;
+use overlook_engine::capture::transforms::write_cameras;
+use overlook_engine::edited_store::write_edited_store;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::page::PagePath;
+use overlook_engine::plural::counted;
 use overlook_engine::render::film::FilmSource;
-use overlook_engine::splats::{SplatAmount, SplatOptions};
+use overlook_engine::store;
+use overlook_engine::store::file::{Extras, Provenance, write_with};
+use overlook_engine::store::playback::Playback;
+use overlook_lab::chart::Figure;
+
+/// What draws a figure.
+type Drawing = Box<dyn FnOnce(&Job) -> Result<Figure> + Send>;
+
+/// What is left of most files once writing them was stopped.
+const NOTHING: &str = "Nothing was";
 
 impl OverlookApp {
     /// Carries out what concerns the dialog.
@@ -47,10 +70,10 @@ impl OverlookApp {
             }
             ShareCommand::CopyFigure(of) => {
                 let of = of.unwrap_or_else(|| self.view_of_figure());
-                self.copy_view_as(of, Export::CopyFigure);
+                self.copy_view_as(of, true);
             }
             ShareCommand::CopyPicture(FigureOf::Live) => self.copy_picture(),
-            ShareCommand::CopyPicture(of) => self.copy_view_as(of, Export::CopyPicture),
+            ShareCommand::CopyPicture(of) => self.copy_view_as(of, false),
             ShareCommand::Stop => {
                 let is_export = |busy: &model::Busy| busy.work == WorkKind::Export;
                 if self.state.busy.iter().any(is_export) {
@@ -74,48 +97,173 @@ impl OverlookApp {
         *shown = Some(ShownPreview { key, picture });
     }
 
-    /// Notes where something is written that the dialog was asked for.
-    pub(crate) fn begin_sharing(&mut self, purpose: Purpose, path: &Path) {
-        if purpose.is_shared() {
-            self.state.share.asked = Some(path.to_path_buf());
-            self.state.share.outcome = None;
+    /// Writes what was chosen in the dialog.
+    pub(crate) fn share(&mut self, kind: &'static FileKind, path: PathBuf) {
+        self.state.share.asked = Some(path.clone());
+        self.state.share.outcome = None;
+        match *kind {
+            STORE => self.save_store(path),
+            CAMERAS => self.save_cameras(path),
+            PICTURE | LINEAR_PICTURE => self.save_picture(path),
+            FIGURE => self.export_figure(path),
+            VIDEO | PICTURES | LINEAR_PICTURES => self.export_pictures(kind, path),
+            _ => self.export_samples(kind, path),
         }
     }
 
-    /// Writes what becomes of all samples, with what is chosen in the dialog.
-    pub(crate) fn export(&mut self, purpose: Purpose, path: PathBuf) {
-        let Some(samples) = self.state.whole_samples().cloned() else { return };
-        let Some(what) = self.exported_as(purpose) else { return };
-        let edited = self.state.edited_samples().cloned();
-        let playback = self.state.doc.scene.as_ref().and_then(|scene| scene.playback().cloned());
-        let playback = playback.filter(|_| edited.is_none());
-        let samples = edited.unwrap_or(samples);
-        let source = playback.map_or_else(
-            || {
-                // As a store does, a page takes the rendering settings of now.
-                let mut samples = (*samples).clone();
-                samples.settings.render = self.state.settings.render.clone();
-                FilmSource::Memory(samples.into())
-            },
-            FilmSource::Disk,
-        );
-        self.workers.export.submit(ExportRequest { path, source, what });
+    fn save_store(&mut self, path: PathBuf) {
+        let Some(scene) = self.state.doc.scene.clone() else { return };
+        let (edits, settings) = (self.state.doc.edits.list.clone(), self.state.settings.clone());
+        let written = |path: &Path, bytes, holds| {
+            Ok(Message::Saved { path: path.to_path_buf(), bytes: Some(bytes), holds })
+        };
+        if let Content::Store { playback, .. } = &scene.content {
+            let playback = playback.clone();
+            self.save(path, move |path, job| {
+                let store = playback.store();
+                let bytes = if edits.is_idle() {
+                    store::write_again(path, store, None, job)?
+                } else {
+                    write_edited_store(path, store, &edits, None, job)?.0
+                };
+                written(path, bytes, None)
+            });
+        } else if !edits.is_idle() {
+            self.save(path, move |path, job| {
+                let (_, bytes) = prune_into_store(scene.source()?, &settings, &edits, path, job)?;
+                written(path, bytes, Some((scene.id, settings)))
+            });
+        } else if let Some(whole) = &self.state.doc.whole {
+            // The store records the rendering settings of now, so that it looks the same when it is opened.
+            let (mut samples, report) = ((*whole.samples).clone(), whole.report.clone());
+            samples.settings.render = settings.render;
+            self.save(path, move |path, job| {
+                job.start(format!("Saving {}", path.display()), 0);
+                let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
+                let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
+                let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
+                let bytes = write_with(path, &samples, &extras, job)?;
+                written(path, bytes, Some((scene.id, samples.settings)))
+            });
+        }
+    }
+
+    /// Writes the cameras: as they were pruned, or as the capture has them.
+    fn save_cameras(&mut self, path: PathBuf) {
+        let state = &self.state;
+        let Some(scene) = &state.doc.scene else { return };
+        let cameras =
+            state.current_whole().map_or_else(|| scene.cameras.clone(), |whole| whole.cameras.clone());
+        let frame_number = scene.frame_numbers.get(state.timeline.frame).copied().unwrap_or_default();
+        let up_in_world = state.up_in_world();
+        self.save(path, move |path, _| {
+            write_cameras(path, &cameras, frame_number, up_in_world)?;
+            Ok(Message::Saved { path: path.to_path_buf(), bytes: None, holds: None })
+        });
+    }
+
+    /// Writes what the live view shows, in another size than on the screen where one is chosen.
+    fn save_picture(&mut self, path: PathBuf) {
+        let state = &mut self.state;
+        let key = state.share.options.picture_size.and_then(|size| state.live_key(size, state.dark));
+        let shown = state.doc.live_shown.as_ref();
+        let rendered = shown.and_then(|shown| shown.picture.rendered()).cloned();
+        if let Some(key) = key.filter(|_| state.samples_here().is_some()) {
+            self.export(path, None, NOTHING, move |path, job| write_view(path, &key, job));
+        } else if let Some((picture, rendered)) = state.shown_picture().cloned().zip(rendered) {
+            let display = state.display;
+            self.save(path, move |path, _| {
+                save_picture(path, &picture, &rendered, &display)?;
+                Ok(Message::Saved { path: path.to_path_buf(), bytes: None, holds: None })
+            });
+        } else {
+            state.share.asked = None;
+            self.notify_in_motion();
+        }
     }
 
     /// Writes a figure of the view that is chosen in the dialog, as it is shown.
-    pub(crate) fn export_figure(&mut self, path: PathBuf) {
-        let Some((figure, source)) = self.figure(self.state.share.options.figure_of) else { return };
-        self.workers.export.submit(ExportRequest { path, source, what: Export::Figure(Box::new(figure)) });
+    fn export_figure(&mut self, path: PathBuf) {
+        let Some((options, draw)) = self.figure(self.state.share.options.figure_of) else { return };
+        let scene = self.state.doc.scene.as_ref();
+        let disk = scene.and_then(|scene| scene.playback().cloned());
+        self.export(path, disk, NOTHING, move |path, job| {
+            let bytes = pictures::write(path, &draw(job)?)?;
+            let millimeters = model::significant(options.width_mm());
+            Ok((format!("a figure of {millimeters} mm, {}", model::bytes(bytes)), None))
+        });
     }
 
-    /// Writes what the live view shows in another size than on the screen; false where that cannot be.
-    pub(crate) fn export_view(&mut self, path: PathBuf, size: [u32; 2]) -> bool {
-        let key = self.state.live_key(size, self.state.dark);
-        let Some((key, samples)) = key.zip(self.state.samples_here().cloned()) else { return false };
-        // The key has its samples itself.
-        let (source, what) = (FilmSource::Memory(samples), Export::View(Box::new(key)));
-        self.workers.export.submit(ExportRequest { path, source, what });
-        true
+    /// Writes a film of the camera path, or its pictures into a folder.
+    fn export_pictures(&mut self, kind: &FileKind, path: PathBuf) {
+        let Some((source, disk)) = self.shared_samples() else { return };
+        let state = &self.state;
+        let export = PathExport {
+            vantages: state.film_vantages(),
+            compared: state.compared_film(),
+            look: state.filmed_look(),
+            settings: state.settings.render.clone(),
+            display: state.display,
+            size: state.export_size(),
+            film_rate: (*kind == VIDEO).then(|| state.timeline.frames_per_second.into()),
+            linear: *kind == LINEAR_PICTURES,
+        };
+        let left = if *kind == VIDEO { NOTHING } else { "Only the pictures rendered until then were" };
+        let threads = self.workers.filming.clone();
+        self.export(path, disk, left, move |path, job| write_path(path, &source, &export, &threads, job));
+    }
+
+    /// Writes what becomes of all samples.
+    fn export_samples(&mut self, kind: &'static FileKind, path: PathBuf) {
+        let mut ways = WAYS.iter().filter_map(|(_, way)| way.write);
+        let write = ways.find(|(kinds, _)| kinds.contains(kind));
+        let (Some((_, write)), Some((source, disk))) = (write, self.shared_samples()) else { return };
+        let state = &self.state;
+        let shared = Shared {
+            kind,
+            options: state.share.options.clone(),
+            frames: if kind.endings.is_empty() { Frames::Every } else { Frames::One(state.timeline.frame) },
+            frames_per_second: state.timeline.frames_per_second.into(),
+            path: self.page_path(),
+            count: model::count_of,
+        };
+        self.export(path, disk, NOTHING, move |path, job| {
+            let (said, files) = write(path, &source, &shared, job)?;
+            let is_folder = shared.frames == Frames::Every;
+            Ok((if is_folder { format!("{said}, {}", counted(files, "file")) } else { said }, None))
+        });
+    }
+
+    /// All samples as they are edited, and the store that they are in.
+    fn shared_samples(&self) -> Option<(FilmSource, Option<Arc<Playback>>)> {
+        let state = &self.state;
+        let samples = state.whole_samples()?;
+        let edited = state.edited_samples();
+        let disk = state.doc.scene.as_ref().and_then(|scene| scene.playback().cloned());
+        if let Some(playback) = disk.filter(|_| edited.is_none()) {
+            return Some((FilmSource::Disk(playback.clone()), Some(playback)));
+        }
+        // As a store does, a page takes the rendering settings of now.
+        let mut samples = (**edited.unwrap_or(samples)).clone();
+        samples.settings.render = state.settings.render.clone();
+        Some((FilmSource::Memory(samples.into()), None))
+    }
+
+    /// Writes something of samples, which `disk` holds. `write` gives what was written, and why the renderer of the settings was not used.
+    /// `left` is what is left once it was stopped.
+    fn export(
+        &mut self,
+        path: PathBuf,
+        disk: Option<Arc<Playback>>,
+        left: &str,
+        write: impl FnOnce(&Path, &Job) -> Result<(String, Option<String>)> + Send + 'static,
+    ) {
+        let stopped = ("Export stopped", format!("{left} written to {}.", path.display()));
+        self.workers.export.submit(FileWork::new(stopped, move |job| {
+            let (said, notice) = write(&path, job)?;
+            let damage = disk.map_or_else(Vec::new, |playback| playback.store().damage());
+            Ok(Message::Exported { path, exported: Exported { said, notice, damage } })
+        }));
     }
 
     /// The view that a figure is of where none is named.
@@ -128,18 +276,19 @@ impl OverlookApp {
     }
 
     /// Copies the figure that the dialog would write of a view, with the options that were chosen last, or its picture alone.
-    fn copy_view_as(&mut self, of: FigureOf, export: impl FnOnce(Box<FigureExport>) -> Export) {
+    fn copy_view_as(&mut self, of: FigureOf, is_figure: bool) {
         let missing = no_scene(&self.state).or_else(|| no_figure(&self.state, of));
-        match self.figure(of) {
-            Some((figure, source)) if missing.is_none() => {
-                let what = export(Box::new(figure));
-                self.workers.export.submit(ExportRequest { path: PathBuf::new(), source, what });
-            }
-            _ => {
-                let why = missing.unwrap_or("There is no picture yet; try again once the view rests.");
-                self.state.warn_of_scene("Nothing to copy", why);
-            }
-        }
+        let Some((options, draw)) = self.figure(of).filter(|_| missing.is_none()) else {
+            let why = missing.unwrap_or("There is no picture yet; try again once the view rests.");
+            return self.state.warn_of_scene("Nothing to copy", why);
+        };
+        let stopped = ("Export stopped", "Nothing was copied.".to_owned());
+        self.workers.export.submit(FileWork::new(stopped, move |job| {
+            let figure = draw(job)?;
+            let width_mm = is_figure.then(|| options.width_mm());
+            let image = if is_figure { pictures::image(&figure)? } else { pictures::picture(&figure) };
+            Ok(Message::FigureDrawn { image, width_mm })
+        }));
     }
 
     /// Takes in a figure that was drawn to be copied, so many millimeters wide, or a picture alone.
@@ -154,69 +303,30 @@ impl OverlookApp {
         self.state.notify(NoticeKind::Done, "Copied", text);
     }
 
-    /// A figure of a view as it is shown, and what the view shows; `None` while there is no picture.
-    fn figure(&self, of: FigureOf) -> Option<(FigureExport, FilmSource)> {
+    /// What draws a figure of a view as it is shown, and its options; `None` while there is no picture.
+    fn figure(&self, of: FigureOf) -> Option<(FigureOptions, Drawing)> {
         let state = &self.state;
         let options = FigureOptions { unit: state.live.unit, ..state.share.options.figure.clone() };
-        let scene = state.doc.scene.as_ref()?;
-        let figure = match of {
+        let (scene, how) = (state.doc.scene.clone()?, options.clone());
+        let draw: Drawing = match of {
             FigureOf::Live => {
                 let key = state.live_key(state.figure_size(), options.is_dark)?;
-                FigureExport::Live { key: Box::new(key), options }
+                Box::new(move |job| of_live_view(&key, &how, job))
             }
             FigureOf::Source => {
                 let key = state.doc.source_shown.as_ref()?.key.clone();
-                FigureExport::Source { scene: scene.clone(), key, options }
+                Box::new(move |_| of_source_picture(scene.source()?, &key, &how))
             }
             FigureOf::Compared => {
-                FigureExport::Compared { compared: Box::new(state.compared_figure()?), options }
+                let compared = state.compared_figure()?;
+                Box::new(move |_| Ok(of_comparison(&compared, &how)))
             }
         };
-        let samples = state.samples_here()?.clone();
-        let source =
-            scene.playback().map_or(FilmSource::Memory(samples), |store| FilmSource::Disk(store.clone()));
-        Some((figure, source))
-    }
-
-    fn exported_as(&self, purpose: Purpose) -> Option<Export> {
-        let (state, options) = (&self.state, &self.state.share.options);
-        let frames_per_second = f64::from(state.timeline.frames_per_second);
-        let along_path = |film_rate, linear| {
-            Export::Path(Box::new(PathExport {
-                vantages: state.film_vantages(),
-                compared: state.compared_film(),
-                look: state.filmed_look(),
-                settings: state.settings.render.clone(),
-                display: state.display,
-                size: state.export_size(),
-                target: ExportTarget { film_rate, linear },
-            }))
+        let started = move |job: &Job| {
+            job.start("Drawing the figure", 0);
+            draw(job)
         };
-        let some = |text: &str| (!text.trim().is_empty()).then(|| text.trim().to_owned());
-        Some(match purpose {
-            Purpose::ExportPage => Export::Page(PageOptions {
-                scalar_bar: None,
-                title: some(&options.title),
-                text: some(&options.text),
-                frames_per_second,
-                path: self.page_path(),
-                at_most: options.page_at_most(),
-            }),
-            Purpose::ExportSplats(format) => Export::Splats {
-                options: SplatOptions {
-                    format,
-                    amount: SplatAmount { at_most: options.splats_at_most(), sky: options.sky },
-                    frames_per_second,
-                },
-                frame: state.timeline.frame,
-            },
-            Purpose::ExportPoints => Export::Points { frame: Some(state.timeline.frame) },
-            Purpose::ExportPointsOfFrames => Export::Points { frame: None },
-            Purpose::ExportFilm => along_path(Some(frames_per_second), false),
-            Purpose::ExportPictures => along_path(None, false),
-            Purpose::ExportExr => along_path(None, true),
-            _ => return None,
-        })
+        Some((options, Box::new(started)))
     }
 
     /// The camera path as a page follows it: a pose for each frame.

@@ -7,22 +7,22 @@ pub(crate) mod work;
 
 use std::sync::Arc;
 
+use crate::app::model::look::Display;
 use crate::app::model::picture::{ColorBy, HoleDisplay, LiveKey};
-use crate::app::model::purpose::FigureOf;
 use crate::app::model::same::Same;
 use crate::app::model::scene::OpenScene;
 use crate::app::model::state::State;
-use crate::app::model::text::{bytes, count_of, significant};
-use crate::app::model::ways_out::{ShareOptions, ShareWay, SharedPictures};
 use crate::app::rooms::compare::state::{CompareKey, CompareVantage};
-use crate::app::rooms::share::state::{ShareFacts, SharePreviewKey};
+use crate::app::rooms::share::state::SharePreviewKey;
+use crate::ways_out::figure::FigureOf;
+use crate::ways_out::page::{EMPTY_PAGE, PAGE_BY_STORE};
+use crate::ways_out::{Needs, Options, Scope, Size, Way};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::render::Vantage;
 use overlook_engine::render::film::FilmComparison;
 use overlook_engine::samples::are_far_from_origin;
-use overlook_engine::settings::Settings;
-use overlook_engine::splats::{SplatFormat, SplatSky};
+use overlook_engine::settings::{RenderSettings, Settings};
 
 /// Pictures along a camera path as the live view shows them, where that is not the plain picture.
 pub(crate) struct FilmLook {
@@ -46,6 +46,24 @@ pub(crate) struct ComparedFilm {
     pub key: CompareKey,
     /// Names of its sides.
     pub names: [String; 2],
+}
+
+/// The pictures of a camera path.
+pub(crate) struct PathExport {
+    /// The place of each.
+    pub vantages: Vec<Vantage>,
+    /// The comparison that they show; `None` where they show the samples.
+    pub compared: Option<ComparedFilm>,
+    /// How they look, where not plain.
+    pub look: Option<FilmLook>,
+    pub settings: RenderSettings,
+    pub display: Display,
+    /// Columns and rows of the pictures.
+    pub size: [u32; 2],
+    /// How many pictures a film shows a second; `None` for a folder.
+    pub film_rate: Option<f64>,
+    /// Whether a folder receives EXR of linear color and depth in place of PNG.
+    pub linear: bool,
 }
 
 /// How long a film of a single frame from one viewpoint is, seconds.
@@ -145,61 +163,6 @@ impl State {
     }
 }
 
-/// Bytes of a page for each byte of its store, measured on built-in and recorded scenes (0.96 to 1.07), and of an empty page.
-const PAGE_BY_STORE: f64 = 1.0;
-const EMPTY_PAGE: f64 = 90e3;
-
-/// Bytes of a figure without its picture.
-const EMPTY_FIGURE: f64 = 15e3;
-
-/// Splats of the dome that the sky becomes.
-const DOME: u64 = 10_000;
-
-/// Bytes of a point: place, normal, radius and color; and of one whose place is in double precision.
-const POINT: [f64; 2] = [31.0, 43.0];
-
-/// Bytes of a camera in a manifest.
-const CAMERA: f64 = 850.0;
-
-/// Bytes of a video for each byte of its pictures as PNG, measured with x264 at a quality like that of ours, on videos from one camera to
-/// the next (0.06 to 0.1).
-const FILM_BY_PNG: f64 = 0.075;
-
-/// A size, and what it follows from.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct ShareSize {
-    /// As in `about 2.4 MB`; what is missing where there is none.
-    pub text: String,
-    /// What it is the product of.
-    pub reason: String,
-}
-
-impl ShareSize {
-    fn about(size: f64, reason: String) -> Self {
-        Self { text: format!("about {}", bytes(size.round() as u64)), reason }
-    }
-
-    /// The size of each picture, for a path that has no length yet.
-    fn each(size: f64, unit: &str, [width, height]: [u32; 2]) -> Self {
-        let Self { text, .. } = Self::about(size, String::new());
-        Self { text: format!("{text} a {unit}"), reason: format!("of {width}×{height}") }
-    }
-
-    fn missing(text: &str) -> Self {
-        Self { text: text.to_owned(), reason: String::new() }
-    }
-}
-
-/// Bytes of a splat, measured; SPZ is compressed, and the others hold numbers as they are.
-fn bytes_of_splat(format: SplatFormat) -> f64 {
-    match format {
-        SplatFormat::Ply => 68.0,
-        SplatFormat::Spz => 12.0,
-        SplatFormat::Glb => 64.0,
-        SplatFormat::Usda => 178.0,
-    }
-}
-
 /// Columns of a preview, pixels.
 const PREVIEW_COLUMNS: u32 = 320;
 
@@ -208,11 +171,11 @@ impl State {
     pub(crate) fn share_preview_key(&self) -> Option<SharePreviewKey> {
         let (facts, options) = (self.share.facts.as_ref()?, &self.share.options);
         let share = match options.way {
-            ShareWay::Page => {
+            Way::Page => {
                 let most = options.page_at_most()? as f64 - EMPTY_PAGE;
                 most / (facts.store_bytes * PAGE_BY_STORE).max(1.0)
             }
-            ShareWay::Splats => {
+            Way::Splats => {
                 let most = options.splats_at_most()? as f64;
                 let all = if options.format.holds_time() { facts.samples } else { facts.placed_here };
                 most / all.max(1) as f64
@@ -234,178 +197,36 @@ impl State {
     }
 
     /// The size of a way out, with the options of the dialog.
-    pub(crate) fn share_size(&self, way: ShareWay) -> ShareSize {
-        if self.doc.scene.is_none() {
-            return ShareSize::missing("nothing open");
+    pub(crate) fn share_size(&self, way: Way) -> Size {
+        let Some(scene) = &self.doc.scene else { return Size::missing("nothing open") };
+        let options = Options { way, ..self.share.options.clone() };
+        if !self.is_whole_ready() && options.kind().needs == Needs::Samples {
+            return Size::missing("once it is pruned");
         }
-        let needs_picture = matches!(way, ShareWay::Film | ShareWay::Pictures | ShareWay::Figure);
-        if !self.is_whole_ready() && !needs_picture && way != ShareWay::Cameras {
-            return ShareSize::missing("once it is pruned");
-        }
-        let Some(facts) = &self.share.facts else { return ShareSize::missing("measuring…") };
-        let options = &self.share.options;
-        match way {
-            ShareWay::Page => page(facts, options),
-            ShareWay::Splats => splats(facts, options),
-            ShareWay::Film => self.film(facts),
-            ShareWay::Pictures => self.pictures(facts, options),
-            ShareWay::Figure => self.figure(facts, options),
-            ShareWay::Points => self.points(facts, options),
-            ShareWay::Cameras => {
-                let cameras = self.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
-                ShareSize::about(cameras as f64 * CAMERA, counted(cameras, "camera"))
-            }
-            ShareWay::Store => {
-                let each = facts.store_bytes / facts.samples.max(1) as f64;
-                ShareSize::about(facts.store_bytes, samples_at(facts.samples, each))
-            }
-        }
-    }
-
-    fn film(&self, facts: &ShareFacts) -> ShareSize {
-        let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
-        let [width, height] = self.export_size();
-        let size = |pictures: f64| {
-            let pixels = f64::from(width) * f64::from(height) * pictures;
-            pixels * picture.png_bytes / picture.pixels.max(1.0) * FILM_BY_PNG
+        let Some(facts) = self.share.facts else { return Size::missing("measuring…") };
+        let scope = Scope {
+            facts,
+            cameras: scene.cameras.len(),
+            frames: self.frame_count(),
+            is_far: are_far_from_origin(&scene.cameras),
+            frames_per_second: self.timeline.frames_per_second.into(),
+            film_pictures: self.film_pictures(),
+            film_size: self.export_size(),
+            figure_size: if way == Way::Figure { self.size_in_figure(options.figure_of) } else { [0; 2] },
         };
-        let rate = f64::from(self.timeline.frames_per_second);
-        match self.film_pictures() {
-            0 => ShareSize::each(size(rate), "second", [width, height]),
-            pictures => {
-                let seconds = significant(pictures as f64 / rate);
-                let reason = format!("{} of {width}×{height}, {seconds} s", counted(pictures, "picture"));
-                ShareSize::about(size(pictures as f64), reason)
-            }
-        }
+        (way.row().size)(&scope, &options)
     }
 
-    fn pictures(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
-        let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
-        let is_path = options.pictures == SharedPictures::CameraPath;
-        let is_compared = is_path && options.compares.is_some();
-        let whole = if options.linear && !is_compared { picture.exr_bytes } else { picture.png_bytes };
-        if let Some([width, height]) =
-            options.picture_size.filter(|_| options.pictures == SharedPictures::View)
-        {
-            let size = whole / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
-            return ShareSize::about(size, format!("a picture of {width}×{height}"));
-        }
-        if !is_path {
-            return ShareSize::about(whole, "as the live view shows it".to_owned());
-        }
-        let [width, height] = self.export_size();
-        let each = whole / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
-        match self.film_pictures() {
-            0 => ShareSize::each(each, "picture", [width, height]),
-            pictures => {
-                let reason = format!("{} of {width}×{height}", counted(pictures, "picture"));
-                ShareSize::about(each * pictures as f64, reason)
-            }
-        }
-    }
-
-    /// Its picture as PNG takes nearly all of it.
-    fn figure(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
-        let Some(picture) = facts.picture else { return ShareSize::missing("once the view rests") };
-        let [width, height] = match options.figure_of {
-            FigureOf::Live => self.figure_size(),
-            FigureOf::Source => self
-                .doc
-                .source_shown
-                .as_ref()
-                .map_or([0; 2], |shown| shown.picture.size.map(|side| side as u32)),
-            FigureOf::Compared => self.compared_figure().map_or([0; 2], |compared| {
+    /// Columns and rows of the picture of a figure.
+    fn size_in_figure(&self, of: FigureOf) -> [u32; 2] {
+        let sides = match of {
+            FigureOf::Live => return self.figure_size(),
+            FigureOf::Source => self.doc.source_shown.as_ref().map(|shown| shown.picture.size),
+            FigureOf::Compared => self.compared_figure().map(|compared| {
                 let [_, _, columns, rows] = compared.part();
-                [columns, rows].map(|side| side as u32)
+                [columns, rows]
             }),
         };
-        let size = picture.png_bytes / picture.pixels.max(1.0) * f64::from(width) * f64::from(height);
-        let millimeters = significant(options.figure.width_mm());
-        ShareSize::about(size + EMPTY_FIGURE, format!("{millimeters} mm, {} px wide", options.figure.columns))
-    }
-
-    fn points(&self, facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
-        let is_far = self.doc.scene.as_ref().is_some_and(|scene| are_far_from_origin(&scene.cameras));
-        let each = POINT[usize::from(is_far)];
-        let files = if options.points_of_all_frames { self.frame_count() } else { 1 };
-        let points = facts.placed_here * files as u64;
-        let mut reason = format!("{} of {each:.0} B", count_of(points, "point"));
-        if files > 1 {
-            reason = format!("{reason} in {}", counted(files, "file"));
-        }
-        ShareSize::about(points as f64 * each, reason)
-    }
-}
-
-fn samples_at(samples: u64, each: f64) -> String {
-    format!("{} of {} B", count_of(samples, "sample"), significant(each))
-}
-
-fn page(facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
-    let size = EMPTY_PAGE + facts.store_bytes * PAGE_BY_STORE;
-    match options.page_at_most().map(|most| most as f64) {
-        Some(most) if most < size => {
-            let reason = format!("made coarser from {}", bytes(size.round() as u64));
-            ShareSize::about(most, reason)
-        }
-        _ => ShareSize::about(size, samples_at(facts.samples, size / facts.samples.max(1) as f64)),
-    }
-}
-
-fn splats(facts: &ShareFacts, options: &ShareOptions) -> ShareSize {
-    let here = facts.placed_here + facts.at_infinity_here;
-    let placed = if options.format.holds_time() {
-        // As large a share of all samples as of those at this frame.
-        (facts.samples as f64 * facts.placed_here as f64 / here.max(1) as f64) as u64
-    } else {
-        facts.placed_here
-    };
-    let dome = if options.sky == SplatSky::Dome && facts.at_infinity_here > 0 { DOME } else { 0 };
-    let all = placed + dome;
-    let splats = options.splats_at_most().map_or(all, |most| all.min(most));
-    let each = bytes_of_splat(options.format);
-    let merged =
-        if splats < all { format!(" merged from {}", count_of(all, "sample")) } else { String::new() };
-    let reason = format!("{} of {each:.0} B{merged}", count_of(splats, "splat"));
-    ShareSize::about(splats as f64 * each, reason)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn facts() -> ShareFacts {
-        ShareFacts {
-            samples: 1_000_000,
-            placed_here: 300_000,
-            at_infinity_here: 100_000,
-            store_bytes: 2e6,
-            picture: None,
-        }
-    }
-
-    #[test]
-    fn a_bound_is_what_a_larger_page_takes_and_nothing_to_a_smaller_one() {
-        let unbounded = page(&facts(), &ShareOptions::default()).text;
-        assert!(unbounded.starts_with("about 2.") && unbounded.ends_with(" MB"), "{unbounded}");
-        let bounded = |page_megabytes| {
-            let options = ShareOptions { page_is_bounded: true, page_megabytes, ..ShareOptions::default() };
-            page(&facts(), &options).text
-        };
-        assert_eq!((bounded(1.0), bounded(50.0)), ("about 1.00 MB".to_owned(), unbounded));
-    }
-
-    #[test]
-    fn splats_are_those_with_a_place_of_this_frame_or_of_all_time() {
-        let size = |format| splats(&facts(), &ShareOptions { format, ..ShareOptions::default() });
-        let of_frame = size(SplatFormat::Ply);
-        assert_eq!(
-            (of_frame.text.as_str(), of_frame.reason.as_str()),
-            ("about 20.4 MB", "300 k splats of 68 B")
-        );
-        assert_eq!(size(SplatFormat::Glb).text, "about 48.0 MB");
-        let options = ShareOptions { splats_are_bounded: true, kilosplats: 100, ..ShareOptions::default() };
-        assert_eq!(splats(&facts(), &options).text, "about 6.80 MB");
+        sides.unwrap_or_default().map(|side| side as u32)
     }
 }

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::app::model::picture::LivePicture;
-use crate::app::model::purpose::FigureOf;
 use crate::app::model::same::Same;
 use crate::app::model::scene::OpenScene;
 use crate::app::model::texture::Texture;
-use crate::app::model::ways_out::{ShareOptions, SharedPictures};
+use crate::ways_out::figure::FigureOf;
+use crate::ways_out::{Facts, Options};
 use overlook_engine::render::Vantage;
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::RenderSettings;
@@ -22,13 +22,23 @@ pub(crate) enum ShareOutcome {
     Failed(String),
 }
 
+/// What came of an export.
+pub(crate) struct Exported {
+    /// What was written, in words.
+    pub said: String,
+    /// Why the renderer of the settings did not paint.
+    pub notice: Option<String>,
+    /// What could not be read of a store so far, one line each.
+    pub damage: Vec<String>,
+}
+
 /// The dialog.
 #[derive(Default)]
 pub(crate) struct ShareDialog {
     pub is_open: bool,
-    pub options: ShareOptions,
+    pub options: Options,
     /// What the sizes follow from; `None` until it is measured.
-    pub facts: Option<ShareFacts>,
+    pub facts: Option<Facts>,
     /// What the budget leaves: the request, the picture if there is one, and its PSNR against that of all samples, dB.
     pub preview: Option<ShownPreview>,
     /// Where what was asked for last is written, until it is.
@@ -39,10 +49,10 @@ pub(crate) struct ShareDialog {
 impl ShareDialog {
     /// Forgets what belongs to a scene.
     pub(crate) fn close_scene(&mut self) {
-        let options = ShareOptions {
+        let options = Options {
             title: String::new(),
             text: String::new(),
-            pictures: SharedPictures::default(),
+            along_path: false,
             figure_of: FigureOf::default(),
             ..std::mem::take(&mut self.options)
         };
@@ -86,26 +96,4 @@ pub(crate) struct ShownPreview {
     pub key: SharePreviewKey,
     /// Its texture and decibels; `None` where the budget leaves nothing.
     pub picture: Option<(Texture, Option<f64>)>,
-}
-
-/// What was measured of the open scene, for sizes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ShareFacts {
-    /// Kept samples.
-    pub samples: u64,
-    /// Those with a place that are shown at the frame, and those at infinity.
-    pub placed_here: u64,
-    pub at_infinity_here: u64,
-    /// Bytes of the store: of an open one as it is, else by writing all samples or those of some cameras.
-    pub store_bytes: f64,
-    /// Bytes of a pixel of the live view's picture as PNG and as EXR; `None` while none is in memory.
-    pub picture: Option<PictureFacts>,
-}
-
-/// What the picture of the live view takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PictureFacts {
-    pub pixels: f64,
-    pub png_bytes: f64,
-    pub exr_bytes: f64,
 }

@@ -1,13 +1,12 @@
 //! `overlook export cinema`.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args;
 
 use super::super::demo::parse_size;
 use crate::app::pivot_of_store;
-use crate::cli::input::{EditsArgs, PaintingArgs, SettingsArgs};
+use crate::cli::input::{RenderingArgs, StoreArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::cinema::{AngleRange, DatabaseCamera, DatabaseRow, grid, write_table};
 use overlook_engine::capture::{Camera, Intrinsics, Projection};
@@ -16,7 +15,6 @@ use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::{self, FilmSource};
 use overlook_engine::render::{Renderer, Vantage};
-use overlook_engine::settings::Settings;
 use overlook_engine::store::playback::Playback;
 use overlook_engine::whole_file;
 
@@ -28,10 +26,8 @@ const MOST_PICTURES: usize = 100_000;
 
 #[derive(Debug, Args)]
 pub(crate) struct CinemaArgs {
-    /// The store.
-    store: PathBuf,
     #[command(flatten)]
-    edits: EditsArgs,
+    from: StoreArgs,
     /// Folder for the database, by custom with the ending .cdb.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -45,9 +41,7 @@ pub(crate) struct CinemaArgs {
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
     #[command(flatten)]
-    painting: PaintingArgs,
-    #[command(flatten)]
-    settings: SettingsArgs,
+    rendering: RenderingArgs,
 }
 
 /// `FIRST,LAST,COUNT`.
@@ -62,40 +56,25 @@ fn parse_range(text: &str) -> std::result::Result<AngleRange, String> {
 
 impl CinemaArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        self.settings.only("render")?;
-        output::check_folder(&self.out)?;
-        output::refuse_input(&self.store, &self.out)?;
-        self.edits.refuse_inputs(&self.out)?;
-        self.settings.refuse_inputs(&self.out)?;
-        let playback = Arc::new(self.edits.open_store(&self.store)?);
-        let mut settings: Settings = self.settings.over(playback.store().info().settings.clone())?;
-        self.painting.apply(&mut settings.render);
+        self.from.check_out(&self.out, None)?;
+        self.rendering.settings.refuse_inputs(&self.out)?;
+        let playback = self.from.open()?;
+        let settings = self.rendering.of_store(playback.store().info())?;
         let views = self.viewpoints(&playback)?;
         let (rows, vantages) = self.planned(&views, &playback)?;
-        let mut renderer = Renderer::strict(settings.render.backend)?;
+        let mut renderer = Renderer::strict(settings.backend)?;
         let source = FilmSource::Disk(playback.clone());
-        output::watched(|job| {
+        let (pictures, places) = (counted(rows.len(), "picture"), counted(views.len(), "viewpoint"));
+        output::export(&[playback.clone()], None, |job| {
             whole_file::write_folder(&self.out, |folder| {
-                film::paint(
-                    &source,
-                    &vantages,
-                    None,
-                    &mut renderer,
-                    &settings.render,
-                    job,
-                    |nth, picture| PicturePaths::below(folder, &rows[nth].files[0])?.write(picture),
-                )?;
+                film::paint(&source, &vantages, None, &mut renderer, &settings, job, |nth, picture| {
+                    PicturePaths::below(folder, &rows[nth].files[0])?.write(picture)
+                })?;
                 write_table(folder, &rows)
-            })
-        })?;
-        output::warn(renderer.notice().map(str::to_owned).as_slice());
-        output::warn(&playback.store().damage());
-        let places = counted(views.len(), "viewpoint");
-        output::print(&format!(
-            "Wrote {}, of {places}, to {}",
-            counted(rows.len(), "picture"),
-            self.out.display()
-        ))
+            })?;
+            let said = format!("Wrote {pictures}, of {places}, to {}", self.out.display());
+            Ok((said, renderer.notice().map(str::to_owned)))
+        })
     }
 
     /// Where the pictures are taken from, with their angles.
@@ -113,7 +92,8 @@ impl CinemaArgs {
     ) -> Result<(Vec<DatabaseRow>, Vec<Vantage>)> {
         let outline = playback.outline();
         let first = outline.cameras.first();
-        let first = first.ok_or_else(|| Error::invalid(self.store.display(), "there is no camera in it"))?;
+        let first =
+            first.ok_or_else(|| Error::invalid(self.from.store.display(), "there is no camera in it"))?;
         let (width, height) = self.size.unwrap_or((first.intrinsics.width, first.intrinsics.height));
         let count = views.len() * outline.frame_count();
         if count > MOST_PICTURES {

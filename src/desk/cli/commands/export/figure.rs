@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::frame_files;
 use crate::address::{self, ViewAddress};
-use crate::app::{self, DOTS_PER_INCH, FIGURE_ENDINGS, FigureOptions, FigureWidth, Overlay, Unit};
-use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs, ValueArgs};
+use crate::app::{self, Overlay};
+use crate::cli::input::{self, EditsArgs, RenderingArgs, ValueArgs};
 use crate::cli::output::{self, CommandError};
+use crate::ways_out::figure::{FIGURE, FigureOptions, one_of};
 use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::film::{self, FilmPicture, FilmSource};
@@ -30,11 +29,6 @@ const OVERLAYS: [(&str, Overlay); 9] = [
     ("depth", Overlay::Depth),
     ("normals", Overlay::Normals),
 ];
-
-const UNITS: [(&str, Unit); 4] =
-    [("m", Unit::Meters), ("cm", Unit::Centimeters), ("mm", Unit::Millimeters), ("none", Unit::None)];
-
-const THEMES: [(&str, bool); 2] = [("light", false), ("dark", true)];
 
 #[derive(Debug, Args)]
 pub(crate) struct FigureArgs {
@@ -58,64 +52,22 @@ pub(crate) struct FigureArgs {
     /// shown.
     #[arg(long, value_name = "WIDTH", value_parser = input::length)]
     orthographic: Option<f64>,
-    /// Width with its unit, as in 120mm, 12cm, 4.7in or 1400px.
-    #[arg(long, value_name = "WIDTH", default_value_t = FigureWidth::default())]
-    width: FigureWidth,
-    /// Pixels of an inch of paper.
-    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(i64::from(*DOTS_PER_INCH.start())..=i64::from(*DOTS_PER_INCH.end())))]
-    dpi: u32,
-    /// Size of the type, typographic points.
-    #[arg(long, value_name = "POINTS", default_value_t = 8.0, value_parser = input::length)]
-    type_size: f64,
-    /// A text below the picture.
-    #[arg(long, value_name = "TEXT", default_value = "")]
-    caption: String,
-    /// Dark type on white paper, or light type on dark paper.
-    #[arg(long, default_value = "light", action = clap::ArgAction::Set, value_parser = one_of(THEMES))]
-    theme: bool,
-    /// The unit of the scene's lengths.
-    #[arg(long, default_value = "m", value_parser = one_of(UNITS))]
-    unit: Unit,
-    /// Leave out what colors mean, the scalar bar too.
-    #[arg(long)]
-    no_legend: bool,
-    /// Leave out the scale bar.
-    #[arg(long)]
-    no_scale_bar: bool,
+    #[command(flatten)]
+    figure: FigureOptions,
     #[command(flatten)]
     values: ValueArgs,
     #[command(flatten)]
     edits: EditsArgs,
     #[command(flatten)]
-    painting: PaintingArgs,
-    #[command(flatten)]
-    settings: SettingsArgs,
-}
-
-/// A parser of one of some names.
-fn one_of<T: Copy + Send + Sync + 'static, const N: usize>(
-    names: [(&'static str, T); N],
-) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(names.map(|(name, _)| name)).try_map(move |given| {
-        let known = names.iter().find(|(name, _)| *name == given);
-        known.map(|(_, value)| *value).ok_or("not known")
-    })
+    rendering: RenderingArgs,
 }
 
 impl FigureArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.check_out()?;
         let (place, address) = address::of_path(&self.scene);
-        let options = FigureOptions {
-            columns: self.width.columns(self.dpi),
-            dots_per_inch: self.dpi,
-            type_points: self.type_size.min(200.0),
-            caption: self.caption.clone(),
-            is_dark: self.theme,
-            has_legend: !self.no_legend,
-            has_scale_bar: !self.no_scale_bar,
-            unit: self.unit,
-        };
+        let options =
+            FigureOptions { type_points: self.figure.type_points.min(200.0), ..self.figure.clone() };
         let figure = if place.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ovl")) {
             self.of_store(&place, &address.unwrap_or_default(), &options)?
         } else {
@@ -125,7 +77,7 @@ impl FigureArgs {
         output::print(&format!(
             "Wrote a figure of {:.1} mm at {} dpi ({}) to {}",
             options.width_mm(),
-            self.dpi,
+            options.dots_per_inch,
             output::bytes(bytes),
             self.out.display()
         ))
@@ -135,13 +87,13 @@ impl FigureArgs {
     fn check_out(&self) -> Result<()> {
         output::check_file(&self.out, "figure.pdf")?;
         let is = |known: &&str| self.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
-        if !FIGURE_ENDINGS.iter().any(is) {
+        if !FIGURE.endings.iter().any(is) {
             let what = "a figure is PDF, SVG or PNG; name it .pdf, .svg or .png";
             return Err(Error::invalid(self.out.display(), what));
         }
         output::refuse_input(&address::of_path(&self.scene).0, &self.out)?;
         self.edits.refuse_inputs(&self.out)?;
-        self.settings.refuse_inputs(&self.out)
+        self.rendering.settings.refuse_inputs(&self.out)
     }
 
     fn of_capture(&self, place: &Path, options: &FigureOptions) -> Result<Figure, CommandError> {
@@ -154,7 +106,7 @@ impl FigureArgs {
                 "a recorded picture is shown in its own colors; preprocess the capture, and give the store";
             return Err(Error::invalid("--color-by", what).into());
         }
-        let settings = self.settings.over(overlook_engine::settings::Settings::default())?;
+        let settings = self.rendering.settings.over(overlook_engine::settings::Settings::default())?;
         let capture = self.edits.open_capture(place, &settings.capture)?;
         let camera = camera_named(&capture.cameras, self.camera.as_deref(), place)?;
         let frame = match self.frame {
@@ -181,15 +133,13 @@ impl FigureArgs {
             let what = "a store holds no recorded pictures; give the capture that it was made of";
             return Err(Error::invalid("--overlay", what).into());
         }
-        self.settings.only("render")?;
         let playback = std::sync::Arc::new(self.edits.open_store(place)?);
         let info = playback.store().info();
-        let mut settings = self.settings.over(info.settings.clone())?.render;
-        self.painting.apply(&mut settings);
+        let settings = self.rendering.of_store(info)?;
         let number = self.frame.or(address.frame_number);
-        let frame = number.map_or(Ok(0), |number| frame_files::frame_index(&playback, number, place))?;
+        let frame = number.map_or(Ok(0), |number| input::frame_index(&playback, number, place))?;
         let camera = self.viewpoint(info, address, place)?;
-        let camera = of_columns(&camera, options.columns);
+        let camera = of_columns(&camera, options.columns());
         let vantage = [Vantage { camera: camera.clone(), frame }];
         let mut renderer = Renderer::strict(settings.backend)?;
         let source = FilmSource::Disk(playback.clone());

@@ -2,18 +2,17 @@
 
 mod cinema;
 mod figure;
-mod frame_files;
 mod page;
 mod path;
 mod pictures;
-mod points;
+mod samples;
 mod splats;
 mod store;
-mod video;
 
 use clap::{Args, Subcommand};
 
 use crate::cli::output::CommandError;
+use crate::ways_out::{self, points};
 use overlook_engine::error::Result;
 
 #[derive(Debug, Args)]
@@ -24,28 +23,28 @@ pub(crate) struct ExportArgs {
 
 #[derive(Debug, Subcommand)]
 enum ExportKind {
-    /// Samples as binary PLY: points with normal, color and radius.
-    Points(points::PointsArgs),
-    /// Pictures along a camera path, as EXR and PNG.
+    #[command(about = points::WAY.about)]
+    Points(samples::SamplesArgs),
+    #[command(about = ways_out::pictures::WAY.about)]
     Pictures(pictures::PicturesArgs),
-    /// A video along a camera path, as MP4.
-    Video(video::VideoArgs),
-    /// A figure for print: a picture with what its colors mean, a scale bar and a caption, as PDF, SVG or PNG.
+    #[command(about = ways_out::film::WAY.about)]
+    Video(pictures::VideoArgs),
+    #[command(about = ways_out::figure::WAY.about)]
     Figure(Box<figure::FigureArgs>),
     /// Pictures from many angles as an image database, which Cinema's viewers open: PNG, depth as EXR, and a table.
     Cinema(cinema::CinemaArgs),
-    /// One HTML file that plays the scene from any viewpoint, in any browser and offline.
+    #[command(about = ways_out::page::WAY.about)]
     Page(page::PageArgs),
-    /// Samples as Gaussian splats, in formats that other viewers open: PLY, SPZ, glTF, USD.
+    #[command(about = ways_out::splats::WAY.about)]
     Splats(splats::SplatsArgs),
-    /// The store again, with another precision or coding.
-    Store(store::StoreArgs),
+    #[command(about = ways_out::store::WAY.about)]
+    Store(store::StoreAgainArgs),
 }
 
 impl ExportArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         match self.what {
-            ExportKind::Points(args) => args.run(),
+            ExportKind::Points(args) => args.run(&points::WAY),
             ExportKind::Pictures(args) => args.run(),
             ExportKind::Video(args) => args.run(),
             ExportKind::Figure(args) => args.run(),

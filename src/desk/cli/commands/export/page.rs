@@ -5,23 +5,23 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::path::{self, Stops};
-use crate::cli::input::{self, BarredValueArgs, EditsArgs};
+use crate::cli::input::{self, BarredValueArgs, StoreArgs};
 use crate::cli::output::{self, CommandError};
+use crate::ways_out;
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::page::{self, PageOptions, PagePath, PageScalarBar, PageSummary};
 use overlook_engine::render::colored_samples;
+use overlook_engine::render::film::FilmSource;
 use overlook_engine::render::output::kept_values;
 use overlook_engine::store::file::{Store, StoreInfo};
 use overlook_lab::chart::ColorBar;
 
 #[derive(Debug, Args)]
 pub(crate) struct PageArgs {
-    /// The store.
-    store: PathBuf,
     #[command(flatten)]
-    edits: EditsArgs,
+    from: StoreArgs,
     /// The page, as in scene.html.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -35,7 +35,7 @@ pub(crate) struct PageArgs {
     #[arg(long, value_name = "TRANSFORMS")]
     path: Option<PathBuf>,
     /// Frames a second.
-    #[arg(long, default_value_t = 24.0, value_parser = super::video::frames_per_second)]
+    #[arg(long, default_value_t = 24.0, value_parser = super::pictures::frames_per_second)]
     fps: f64,
     /// Most bytes of the page, as in 3000000, 500k or 3M: what shows least is made coarser until it fits.
     #[arg(long, value_name = "BYTES", value_parser = input::amount)]
@@ -46,20 +46,14 @@ pub(crate) struct PageArgs {
 
 impl PageArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::check_file(&self.out, "scene.html")?;
-        output::refuse_input(&self.store, &self.out)?;
-        self.edits.refuse_inputs(&self.out)?;
-        output::refuse_store(&self.out)?;
+        self.from.check_out(&self.out, Some("scene.html"))?;
         if let Some(path) = &self.path {
             output::refuse_view_files(path, &self.out)?;
         }
-        let playback = self.edits.open_store(&self.store)?;
+        let playback = self.from.open()?;
+        let path = self.path.as_ref().map(|path| page_path(path, playback.store().info(), self.fps));
         let options = PageOptions {
-            path: self
-                .path
-                .as_ref()
-                .map(|path| page_path(path, playback.store().info(), self.fps))
-                .transpose()?,
+            path: path.transpose()?,
             title: self.title.clone(),
             text: self.text.clone(),
             scalar_bar: None,
@@ -67,29 +61,27 @@ impl PageArgs {
             at_most: self.at_most,
         };
         let channels = &playback.outline().values;
-        let colored = self.values.values.channel(channels, &self.store.display().to_string())?;
-        let written = output::watched(|job| match colored {
-            Some(channel) => self.write_colored(playback.store(), channel, options.clone(), job),
-            None => page::write(&self.out, playback.store(), &options, job),
-        })?;
-        output::warn(&playback.store().damage());
-        if colored.is_none() {
-            output::warn_of_values(channels, "a page");
-        }
-        let of_store = match written.samples_of_store {
-            all if all == written.samples => String::new(),
-            all => format!(" in place of {}", output::count(all)),
-        };
-        output::print(&format!(
-            "Wrote {}, {}{of_store}, to {}\nNext: open it in a browser",
-            output::bytes(written.bytes),
-            output::count_of(written.samples, "sample"),
-            self.out.display()
-        ))
+        let colored = self.values.values.channel(channels, &self.from.store.display().to_string())?;
+        let form = colored.is_none().then_some("a page");
+        output::export(&[playback.clone()], form, |job| {
+            let written = match colored {
+                Some(channel) => self.write_colored(playback.store(), channel, options, job)?,
+                None => ways_out::page::write(&self.out, &FilmSource::Disk(playback), &options, job)?,
+            };
+            let of_store = match written.samples_of_store {
+                all if all == written.samples => String::new(),
+                all => format!(" in place of {}", output::count(all)),
+            };
+            let said = format!(
+                "Wrote {}, {}{of_store}, to {}\nNext: open it in a browser",
+                output::bytes(written.bytes),
+                output::count_of(written.samples, "sample"),
+                self.out.display()
+            );
+            Ok((said, None))
+        })
     }
-}
 
-impl PageArgs {
     /// Writes the page of samples in the colors of a value. Shares of a range are those of the samples of the first frame.
     fn write_colored(
         &self,
@@ -99,7 +91,7 @@ impl PageArgs {
         job: &Job,
     ) -> Result<PageSummary> {
         let set = store.read_all(job)?;
-        let place = self.store.display().to_string();
+        let place = self.from.store.display().to_string();
         let value = self.values.values.shown(&set.values, channel, &kept_values(&set, 0, channel), &place)?;
         let ColorBar { title, colors, ticks } = value.bar;
         let scalar_bar = self.values.has_bar().then_some(PageScalarBar { title, colors, ticks });

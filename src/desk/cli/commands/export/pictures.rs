@@ -1,4 +1,4 @@
-//! `overlook export pictures`.
+//! `overlook export pictures` and `overlook export video`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,18 +8,20 @@ use glam::DVec3;
 use image::RgbaImage;
 
 use super::path::{self, Pace, Stops};
-use crate::cli::input::{self, BarredValueArgs, EditsArgs, PaintingArgs, SettingsArgs, ShownValue, choice};
+use crate::cli::input::{self, BarredValueArgs, RenderingArgs, ShownValue, StoreArgs, choice};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
-use overlook_engine::render::film::{self, FilmComparison, FilmPainter, FilmPicture, FilmSource};
+use overlook_engine::render::film::{
+    self, FilmComparison, FilmEncoder, FilmPainter, FilmPicture, FilmSource,
+};
 use overlook_engine::render::output::{PictureValues, shown_values, with_below};
 use overlook_engine::render::{
     FACE_COUNT, Picture, Projection, Renderer, Vantage, equirectangular, faces_around,
 };
-use overlook_engine::settings::{RenderSettings, Settings};
+use overlook_engine::settings::RenderSettings;
 use overlook_engine::store::file::{Store, StoreInfo};
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::whole_file;
@@ -28,10 +30,8 @@ use overlook_lab::chart::{ColorBar, SideNames};
 /// Where a film is painted from, and how.
 #[derive(Debug, Args)]
 pub(crate) struct FilmArgs {
-    /// The store.
-    store: PathBuf,
     #[command(flatten)]
-    edits: EditsArgs,
+    pub(crate) from: StoreArgs,
     /// The camera path: views at some frames, between which the camera moves smoothly, or every picture of a film, as the window and
     /// nerfstudio's viewer write it. In a scene of one frame every view is a picture.
     #[arg(long, value_name = "TRANSFORMS")]
@@ -66,41 +66,35 @@ pub(crate) struct FilmArgs {
     #[command(flatten)]
     values: BarredValueArgs,
     #[command(flatten)]
-    painting: PaintingArgs,
-    #[command(flatten)]
-    settings: SettingsArgs,
+    rendering: RenderingArgs,
 }
 
 impl FilmArgs {
-    /// Refuses a file that the film is made from, and any other store.
+    /// Refuses a file that the film is made from beside its store.
     pub(crate) fn refuse_inputs(&self, out: &Path) -> Result<()> {
-        output::refuse_input(&self.store, out)?;
-        self.edits.refuse_inputs(out)?;
         self.compare.iter().try_for_each(|store| output::refuse_input(store, out))?;
-        output::refuse_store(out)?;
-        self.settings.refuse_inputs(out)?;
+        self.rendering.settings.refuse_inputs(out)?;
         output::refuse_view_files(&self.path, out)
     }
 
     /// The film at a rate of pictures a second.
     pub(crate) fn plan(&self, rate: f64) -> Result<Film, CommandError> {
-        self.settings.only("render")?;
         if self.width.is_some() && self.projection == Projection::Perspective {
             let what =
                 "only equirectangular pictures have a width of their own; the path says that of others";
             return Err(Error::invalid("--width", what).into());
         }
         whole_file::refuse_pipe(&self.path)?;
-        let playback = self.edits.open_store(&self.store)?;
+        let playback = self.from.open()?;
         let info = playback.store().info();
-        let settings = self.render_settings(info)?;
+        let settings = self.rendering.of_store(info)?;
         let pace = Pace { frame: self.frame, pictures: self.pictures, easing: self.easing, rate };
         let stops = path::along(&self.path, info, pace)?;
         let up = info.up_in_world;
         let size = stops.vantages[0].camera.intrinsics.size();
         let panorama = (self.projection == Projection::Equirectangular)
             .then(|| Panorama { width: self.width.unwrap_or(size.0 as u32).max(4).next_multiple_of(4), up });
-        let place = self.store.display().to_string();
+        let place = self.from.store.display().to_string();
         let colored = self.values.values.channel(&playback.outline().values, &place)?;
         if colored.is_some() && panorama.is_some() {
             let what = "equirectangular pictures blend colors, which values do not bear; use --projection perspective";
@@ -114,7 +108,7 @@ impl FilmArgs {
         let compared =
             self.compare.as_ref().map(|store| self.compared(store, info, &stops, rate)).transpose()?;
         Ok(Film {
-            playback: Arc::new(playback),
+            playback,
             stops,
             settings,
             panorama,
@@ -123,13 +117,6 @@ impl FilmArgs {
             place,
             compared,
         })
-    }
-
-    /// How pictures of a store are rendered.
-    fn render_settings(&self, info: &StoreInfo) -> Result<RenderSettings, CommandError> {
-        let mut settings: Settings = self.settings.over(info.settings.clone())?;
-        self.painting.apply(&mut settings.render);
-        Ok(settings.render)
     }
 
     /// The other side of a comparison: a store at the places of a film of the store with `info`.
@@ -144,21 +131,21 @@ impl FilmArgs {
         output::warn(&opened.info().warnings);
         let playback = Playback::new(opened, DEFAULT_CACHE_BYTES);
         let other = playback.store().info();
-        let settings = self.render_settings(other)?;
+        let settings = self.rendering.of_store(other)?;
         let there = |vantage: &Vantage| {
             let number = info.frame_numbers[vantage.frame];
             let frame = other.frame_numbers.binary_search(&number).map_err(|_| {
                 let what = format!(
                     "has no frame {number}, which {} shows in the film; compare stores of the same frames, or hold one that both \
                      have with --frame NUMBER",
-                    self.store.display()
+                    self.from.store.display()
                 );
                 Error::invalid(store.display(), what)
             })?;
             Ok(Vantage { frame, ..vantage.clone() })
         };
         let vantages = stops.vantages.iter().map(there).collect::<Result<Vec<_>>>()?;
-        let names = told_apart([&self.store, store]);
+        let names = told_apart([&self.from.store, store]);
         Ok(ComparedSide { playback: Arc::new(playback), vantages, settings, mode: self.mode, rate, names })
     }
 }
@@ -307,14 +294,10 @@ impl Film {
 }
 
 impl Film {
-    /// What could not be read of its stores.
-    pub(crate) fn damage(&self) -> Vec<String> {
-        let other = self.compared.as_ref().map(|other| &other.playback);
-        [Some(&self.playback), other]
-            .into_iter()
-            .flatten()
-            .flat_map(|playback| playback.store().damage())
-            .collect()
+    /// Its store, and the one that it is compared with.
+    pub(crate) fn stores(&self) -> Vec<Arc<Playback>> {
+        let other = self.compared.as_ref().map(|other| other.playback.clone());
+        [Some(self.playback.clone()), other].into_iter().flatten().collect()
     }
 
     /// As [`Self::paint`], with another store beside this one.
@@ -372,15 +355,51 @@ pub(crate) struct PicturesArgs {
 
 impl PicturesArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::check_folder(&self.out)?;
+        self.film.from.check_out(&self.out, None)?;
         let film = self.film.plan(RATE)?;
         let path_of = |number: &i64| PicturePaths::below(&self.out, &format!("{number:04}"));
         let paths = film.stops.numbers.iter().map(path_of).collect::<Result<Vec<_>>>()?;
         output::refuse_true_pictures(&self.film.path, &self.out, &paths)?;
-        let notice = output::watched(|job| film.paint(job, |nth, frame| frame.write(&paths[nth])))?;
-        output::warn(notice.as_slice());
-        output::warn(&film.damage());
-        let (pictures, out) = (counted(paths.len(), "picture"), self.out.display());
-        output::print(&format!("Wrote {pictures} (EXR and PNG) to {out}"))
+        output::export(&film.stores(), None, |job| {
+            let notice = film.paint(job, |nth, frame| frame.write(&paths[nth]))?;
+            Ok((output::wrote_pictures(paths.len(), &self.out), notice))
+        })
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VideoArgs {
+    #[command(flatten)]
+    film: FilmArgs,
+    /// The video file, as in video.mp4: H.264, which every player and browser shows.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Frames a second.
+    #[arg(long, default_value_t = 24.0, value_parser = frames_per_second)]
+    fps: f64,
+}
+
+/// Frames a second.
+pub(super) fn frames_per_second(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.1..=1000.0).contains(&number) { Ok(number) } else { Err("must be between 0.1 and 1000".to_owned()) }
+}
+
+impl VideoArgs {
+    pub(crate) fn run(self) -> Result<(), CommandError> {
+        self.film.from.check_out(&self.out, Some("video.mp4"))?;
+        let film = self.film.plan(self.fps)?;
+        self.film.refuse_inputs(&self.out)?;
+        let frames = counted(film.stops.numbers.len(), "frame");
+        output::export(&film.stores(), None, |job| {
+            // Only now does Ctrl-C clean up.
+            let mut encoder = FilmEncoder::start(&self.out, film.size(), self.fps)?;
+            if film.panorama.is_some() {
+                encoder.mark_equirectangular();
+            }
+            let notice = film.paint(job, |_, frame| encoder.add(frame.shown()))?;
+            encoder.finish(job)?;
+            Ok((format!("Wrote {frames} to {}", self.out.display()), notice))
+        })
     }
 }

@@ -4,21 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::frame_files::{frame_index, write_frames};
-use crate::cli::input::{self, EditsArgs};
+use crate::cli::input::{self, StoreArgs};
 use crate::cli::output::{self, CommandError};
-use overlook_engine::error::Result;
-use overlook_engine::job::Job;
+use crate::ways_out::splats;
 use overlook_engine::plural::counted;
-use overlook_engine::splats::{self, SplatAmount, SplatFormat, SplatOptions, SplatSky, SplatSummary};
-use overlook_engine::store::playback::Playback;
+use overlook_engine::render::film::FilmSource;
+use overlook_engine::splats::{SplatAmount, SplatFormat, SplatOptions, SplatSky, SplatSummary};
 
 #[derive(Debug, Args)]
 pub(crate) struct SplatsArgs {
-    /// The store.
-    store: PathBuf,
     #[command(flatten)]
-    edits: EditsArgs,
+    from: StoreArgs,
     /// The file format.
     #[arg(long, value_parser = input::choice::<SplatFormat>(SplatFormat::NAMES))]
     format: SplatFormat,
@@ -35,50 +31,29 @@ pub(crate) struct SplatsArgs {
     #[arg(long, default_value = SplatSky::Out.name(), value_parser = input::choice::<SplatSky>(SplatSky::NAMES))]
     sky: SplatSky,
     /// Frames a second of a scene in time, as GLB and USDA hold it.
-    #[arg(long, default_value_t = 24.0, value_parser = super::video::frames_per_second)]
+    #[arg(long, default_value_t = 24.0, value_parser = super::pictures::frames_per_second)]
     fps: f64,
 }
 
 impl SplatsArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        output::refuse_input(&self.store, &self.out)?;
-        self.edits.refuse_inputs(&self.out)?;
-        if self.is_one_file() {
-            output::check_file(&self.out, &format!("scene.{}", self.format))?;
-            output::refuse_store(&self.out)?;
-        } else {
-            output::check_folder(&self.out)?;
-        }
-        let playback = self.edits.open_store(&self.store)?;
-        let written = output::watched(|job| self.write(&playback, job))?;
-        output::warn(&playback.store().damage());
-        output::warn_of_values(&playback.outline().values, "a file of splats");
-        output::print(&self.said(&written))
-    }
-
-    fn is_one_file(&self) -> bool {
-        self.frame.is_some() || self.format.holds_time()
-    }
-
-    /// Gives what was written, file by file.
-    fn write(&self, playback: &Playback, job: &Job) -> Result<Vec<SplatSummary>> {
+        let example = format!("scene.{}", self.format);
+        self.from.check_out(&self.out, self.is_one_file().then_some(&example))?;
+        let playback = self.from.open()?;
         let options = SplatOptions {
             format: self.format,
             amount: SplatAmount { at_most: self.at_most_splats, sky: self.sky },
             frames_per_second: self.fps,
         };
-        if let Some(number) = self.frame {
-            let frame = frame_index(playback, number, &self.store)?;
-            let set = playback.at(frame, job)?;
-            return Ok(vec![splats::write(&self.out, &set, Some(frame), &options, job)?]);
-        }
-        if self.format.holds_time() {
-            let set = playback.store().read_all(job)?;
-            return Ok(vec![splats::write(&self.out, &set, None, &options, job)?]);
-        }
-        write_frames(&self.out, self.format.name(), playback, job, |path, set, frame| {
-            splats::write(path, set, Some(frame), &options, job)
+        let frame = self.from.frame(&playback, self.frame)?;
+        let source = FilmSource::Disk(playback.clone());
+        output::export(&[playback], Some("a file of splats"), |job| {
+            Ok((self.said(&splats::write(&self.out, &source, frame, &options, job)?), None))
         })
+    }
+
+    fn is_one_file(&self) -> bool {
+        self.frame.is_some() || self.format.holds_time()
     }
 
     /// What was done, in one line.

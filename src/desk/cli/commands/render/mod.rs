@@ -3,12 +3,11 @@
 mod views;
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::input::{self, EditsArgs, PaintingArgs, SettingsArgs, ValueArgs};
+use crate::cli::input::{self, RenderingArgs, StoreArgs, ValueArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::{TruthView, transforms};
 use overlook_engine::error::{Error, Result};
@@ -20,10 +19,8 @@ use views::{ShownValues, ViewPainting};
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArgs {
-    /// The store.
-    store: PathBuf,
     #[command(flatten)]
-    edits: EditsArgs,
+    from: StoreArgs,
     /// The viewpoints: a manifest of the same form as a capture's. Its pictures are the truth, if they exist.
     #[arg(long, value_name = "TRANSFORMS")]
     views: PathBuf,
@@ -45,9 +42,7 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     values: bool,
     #[command(flatten)]
-    painting: PaintingArgs,
-    #[command(flatten)]
-    settings: SettingsArgs,
+    rendering: RenderingArgs,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -55,30 +50,27 @@ pub(crate) struct RenderArgs {
 
 impl RenderArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
-        self.settings.only("render")?;
         output::check_folder(&self.out)?;
         whole_file::refuse_pipe(&self.views)?;
-        let playback = Arc::new(self.edits.open_store(&self.store)?);
-        let mut settings = self.settings.over(playback.store().info().settings.clone())?.render;
-        self.painting.apply(&mut settings);
+        let playback = self.from.open()?;
+        let settings = self.rendering.of_store(playback.store().info())?;
+        let place = self.from.store.display().to_string();
         let frames_are_ranked = playback.store().info().provenance.frames_are_ranked;
         let mut views = transforms::open_views_of(&self.views, frames_are_ranked)?;
         let report = &playback.store().info().report;
-        let alignment = Report::from_json(report, &self.store.display().to_string())?.alignment;
+        let alignment = Report::from_json(report, &place)?.alignment;
         let corrected = alignment.as_ref().map_or_else(CorrectedViews::default, |alignment| {
             ViewCorrections::of(alignment).correct(&mut views)
         });
         let paths = self.picture_paths(&views)?;
-        let place = self.store.display().to_string();
         let colored = self.shown.channel(&playback.outline().values, &place)?;
         let values = ShownValues { args: &self.shown, colored, as_arrays: self.values, place: &place };
         if let Some(width) = self.orthographic {
-            let notice = output::watched(|job| {
-                views::paint_orthographic(&playback, &views, width, &paths, &settings, &values, job)
-            })?;
-            output::warn(notice.as_slice());
-            output::warn(&playback.store().damage());
-            return output::print(&wrote(paths.len(), &self.out));
+            return output::export(&[playback.clone()], None, |job| {
+                let notice =
+                    views::paint_orthographic(&playback, &views, width, &paths, &settings, &values, job)?;
+                Ok((output::wrote_pictures(paths.len(), &self.out), notice))
+            });
         }
         let painting = ViewPainting {
             playback: &playback,
@@ -99,7 +91,7 @@ impl RenderArgs {
             "{}\n{}\n{}",
             output::view_table(&evaluation),
             output::painter_line(&evaluation),
-            wrote(paths.len(), &self.out)
+            output::wrote_pictures(paths.len(), &self.out)
         ))
     }
 
@@ -120,10 +112,6 @@ impl RenderArgs {
         output::refuse_true_pictures(&self.views, &self.out, &paths)?;
         Ok(paths)
     }
-}
-
-fn wrote(pictures: usize, out: &Path) -> String {
-    format!("Wrote {} (EXR and PNG) to {}", counted(pictures, "picture"), out.display())
 }
 
 /// What was changed about views, for people.

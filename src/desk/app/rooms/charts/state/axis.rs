@@ -1,7 +1,7 @@
 //! What a chart can show along an axis.
 
 use crate::app::model::setting_names::choice;
-use crate::app::model::text;
+use crate::text;
 use overlook_engine::settings::{Kernel, Settings};
 use overlook_lab::chart::Scale;
 use overlook_lab::sweep::{Point, Series};

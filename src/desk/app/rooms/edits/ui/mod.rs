@@ -16,6 +16,7 @@ use crate::app::model::{self, Command, Commands, State};
 use crate::app::rooms::edits::state::{BRUSH_RADII, SceneEdits, last_shape, words as region_words};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{heading_ui, icon_button, note, segments_ui, weak};
+use crate::ways_out;
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
 use overlook_engine::edits::{Action, Edit, Region};
 
@@ -220,7 +221,7 @@ fn files_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 Purpose::SaveEdits,
             ),
             ("Open edits…", "Put a list that was saved in the place of this one.", Purpose::LoadEdits),
-            ("Save cleaned store…", SAVES, Purpose::SaveStore),
+            ("Save cleaned store…", SAVES, Purpose::Share(&ways_out::store::STORE)),
         ] {
             if ui.button(name).on_hover_text(help).clicked() {
                 commands.push(Command::File(FileCommand::AskPath(command)));

@@ -8,9 +8,8 @@ use crate::app::model::command::{
 };
 use crate::app::model::look::{Display, FrameGuide, ShownCameras, UP_DIRECTIONS};
 use crate::app::model::picture::HoleDisplay;
-use crate::app::model::purpose::{FigureOf, Purpose, Table, TableForm};
+use crate::app::model::purpose::{FigureOf, Purpose, ShareCommand, Table, TableForm};
 use crate::app::model::setting_names::choice;
-use crate::app::model::ways_out::{ShareCommand, ShareWay};
 use crate::app::model::window::{Area, DockView, HelpPage, Workspace};
 use crate::app::model::{self, Command, State};
 use crate::app::rooms::charts::state::Study;
@@ -19,6 +18,7 @@ use crate::app::rooms::edits::state::SceneEdits;
 use crate::app::rooms::settings::{PRESETS, changed};
 use crate::app::rooms::source::SourceLook;
 use crate::app::rooms::timeline::{TimeCommand, Timeline};
+use crate::ways_out::{WAYS, Way};
 use overlook_engine::demo::SCENES;
 use overlook_engine::edits::Action;
 use overlook_engine::settings::{Settings, ValueKind};
@@ -83,7 +83,7 @@ pub(crate) fn entries(state: &State) -> Vec<PaletteEntry> {
     entries.extend(choices(state));
     // Where no file dialog appears, or a path is at hand.
     entries.extend(TYPED.map(|purpose| {
-        PaletteEntry::new(purpose.typed_entry().to_owned(), "", Command::File(FileCommand::TypePath(purpose)))
+        PaletteEntry::new(purpose.asked().entry.to_owned(), "", Command::File(FileCommand::TypePath(purpose)))
     }));
     entries.extend(settings(turns));
     entries
@@ -282,9 +282,9 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         entries.push((format!("Copy the {}", study.chart_name()), "", copy));
         entries.push((format!("Save the {}", study.chart_name()), "", save));
     }
-    for (way, name, _) in ShareWay::ALL {
-        let keys = if way == ShareWay::Store { "Ctrl+S" } else { "" };
-        entries.push((format!("Share: {name}"), keys, Command::Share(ShareCommand::Open(Some(way)))));
+    for (way, row) in WAYS {
+        let keys = if way == Way::Store { "Ctrl+S" } else { "" };
+        entries.push((format!("Share: {}", row.name), keys, Command::Share(ShareCommand::Open(Some(way)))));
     }
     for (name, keys, command) in view_commands(state) {
         entries.push((name.to_owned(), keys, command));

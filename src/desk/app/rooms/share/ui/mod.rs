@@ -6,13 +6,14 @@ use egui::{Align, Button, Frame, Id, Label, Layout, Modal, ProgressBar, RichText
 use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN, ICON_LINK};
 
 use crate::app::model::command::{FileCommand, ViewCommand};
-use crate::app::model::ways_out::{ShareCommand, ShareOptions, ShareWay};
+use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{self, Busy, Command, Commands, State, WorkKind};
 use crate::app::rooms::files::paths::what_is_missing;
 use crate::app::rooms::share::state::ShareOutcome;
 use crate::app::rooms::share::ui::options::options_ui;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, weak};
+use crate::ways_out::{Options, WAYS, WayOut};
 
 /// Width of the dialog and of the list of ways, points.
 const WIDTH: f32 = 760.0;
@@ -74,26 +75,26 @@ fn footer_ui(ui: &mut Ui, commands: &mut Commands) {
 }
 
 /// Every way with its size.
-fn ways_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
+fn ways_ui(ui: &mut Ui, state: &State, options: &mut Options) {
     ui.set_width(LIST);
     ui.spacing_mut().item_spacing.y = 2.0;
-    for (way, name, used) in ShareWay::ALL {
+    for (way, WayOut { name, used, .. }) in WAYS {
         let size = state.share_size(way).text;
-        let button = Button::selectable(way == options.way, name)
+        let button = Button::selectable(way == options.way, *name)
             .shortcut_text(size.as_str())
             .min_size(Vec2::new(LIST, ROW));
         let button = ui.add(button).accessible_name(format!("{name}: {size}"));
-        if button.on_hover_text(used).clicked() {
+        if button.on_hover_text(*used).clicked() {
             options.way = way;
         }
     }
 }
 
 /// The chosen way: what it is for, its options, its size, and its making.
-fn way_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
-    let (name, used) = options.way.name_and_use();
-    ui.label(RichText::new(name).strong().size(15.0));
-    ui.add(Label::new(RichText::new(used).color(Tokens::in_ui(ui).text_weak)).wrap());
+fn way_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Commands) {
+    let WayOut { name, used, .. } = options.way.row();
+    ui.label(RichText::new(*name).strong().size(15.0));
+    ui.add(Label::new(RichText::new(*used).color(Tokens::in_ui(ui).text_weak)).wrap());
     ui.add_space(space::MEDIUM);
     options_ui(ui, state, options, commands);
     ui.add_space(space::MEDIUM);
@@ -193,29 +194,15 @@ fn progress_ui(ui: &mut Ui, busy: &Busy, commands: &mut Commands) {
     note(ui, "It goes on when this is closed; the line at the bottom shows it.");
 }
 
-/// What the button of a way says.
-fn action(way: ShareWay) -> &'static str {
-    match way {
-        ShareWay::Page => "Make the page…",
-        ShareWay::Splats => "Make the splats…",
-        ShareWay::Film => "Make the video…",
-        ShareWay::Pictures => "Save pictures…",
-        ShareWay::Figure => "Save the figure…",
-        ShareWay::Points => "Save the points…",
-        ShareWay::Cameras => "Save the cameras…",
-        ShareWay::Store => "Save the store…",
-    }
-}
-
-fn make_ui(ui: &mut Ui, state: &State, options: &ShareOptions, commands: &mut Commands) {
+fn make_ui(ui: &mut Ui, state: &State, options: &Options, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
-    let purpose = options.purpose();
+    let (purpose, button) = (Purpose::Share(options.kind()), options.way.row().button);
     let missing = what_is_missing(state, purpose);
     ui.horizontal(|ui| {
         ui.add_enabled_ui(missing.is_none(), |ui| {
-            let words = RichText::new(action(options.way)).color(tokens.on_accent);
+            let words = RichText::new(button).color(tokens.on_accent);
             let make = ui.add(Button::new(words).fill(tokens.accent));
-            let make = make.accessible_name(action(options.way));
+            let make = make.accessible_name(button);
             // Enter goes on, as it does in the system's dialogs; a field for the path has the keyboard to itself.
             if state.typed_path.is_some() {
                 make.surrender_focus();

@@ -4,12 +4,12 @@ use egui::{DragValue, Grid, RichText, TextEdit, Ui};
 
 use crate::app::model::command::EditCommand;
 use crate::app::model::picture::HoleDisplay;
-use crate::app::model::purpose::{DOTS_PER_INCH, FigureOf, FigureOptions, FigureWidth};
-use crate::app::model::ways_out::{ShareOptions, ShareWay, SharedPictures};
 use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::path::ui::{length_ui, size_ui, still_ui};
 use crate::app::rooms::timeline::{TimeCommand, Timeline};
 use crate::app::widgets::{note, segments_ui, weak};
+use crate::ways_out::figure::{DOTS_PER_INCH, FigureOf, FigureWidth};
+use crate::ways_out::{Options, Way};
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::FilmComparison;
 use overlook_engine::splats::{SplatFormat, SplatSky};
@@ -37,6 +37,12 @@ const KINDS: [(bool, &str, &str); 2] = [
     (true, "EXR", "Linear color, coverage and depth."),
 ];
 
+/// What pictures are of.
+const PICTURES: [(bool, &str, &str); 2] = [
+    (false, "This view", "The picture of the live view."),
+    (true, "Camera path", "A folder of numbered pictures along the camera path."),
+];
+
 /// What a film shows.
 const COMPARES: [(Option<FilmComparison>, &str, &str); 3] = [
     (None, "Samples", "What the live view renders."),
@@ -55,55 +61,61 @@ const PAPERS: [(bool, &str, &str); 2] =
 const POINTS: [(bool, &str, &str); 2] =
     [(false, "This frame", "One file."), (true, "Every frame", "A folder with a file for each frame.")];
 
+/// A row of the grid with its label and its name for screen readers: one of some choices.
+fn choice_ui<T: Copy + PartialEq, const N: usize>(
+    ui: &mut Ui,
+    [label, name]: [&str; 2],
+    chosen: &mut T,
+    choices: [(T, &'static str, &'static str); N],
+) {
+    ui.label(label);
+    *chosen = segments_ui(ui, name, *chosen, choices).unwrap_or(*chosen);
+    ui.end_row();
+}
+
 /// The options of the chosen way.
-pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
+pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Commands) {
     let grid = Grid::new("options of sharing").num_columns(2).min_col_width(LABELS).spacing([12.0, 8.0]);
     grid.show(ui, |ui| match options.way {
-        ShareWay::Page => page_ui(ui, state, options),
-        ShareWay::Splats => splats_ui(ui, options),
-        ShareWay::Film => film_ui(ui, state, options, commands),
-        ShareWay::Pictures => pictures_ui(ui, state, options, commands),
-        ShareWay::Figure => figure_ui(ui, options),
-        ShareWay::Points => {
-            ui.label("Points of");
-            let all = &mut options.points_of_all_frames;
-            *all = segments_ui(ui, "Points of", *all, POINTS).unwrap_or(*all);
-            ui.end_row();
-        }
-        ShareWay::Cameras => cameras_ui(ui, state),
-        ShareWay::Store => store_ui(ui, state),
+        Way::Page => page_ui(ui, state, options),
+        Way::Splats => splats_ui(ui, options),
+        Way::Film => film_ui(ui, state, options, commands),
+        Way::Pictures => pictures_ui(ui, state, options, commands),
+        Way::Figure => figure_ui(ui, options),
+        Way::Points => choice_ui(ui, ["Points of"; 2], &mut options.points_of_all_frames, POINTS),
+        _ => holds_ui(ui, state, options.way),
     });
     match options.way {
-        ShareWay::Splats if !options.format.holds_time() => {
+        Way::Splats if !options.format.holds_time() => {
             let number = state.timeline.frame + 1;
             note(ui, format!("Such a file holds one frame: number {number}, which is shown."));
         }
-        ShareWay::Store if !state.live.cameras.shows_all() => hidden_cameras_ui(ui, state, commands),
-        ShareWay::Pictures if options.pictures == SharedPictures::View => {
+        Way::Store if !state.live.cameras.shows_all() => hidden_cameras_ui(ui, state, commands),
+        Way::Pictures if !options.along_path => {
             if state.holes_shown() == HoleDisplay::Dimmed && !options.linear {
                 note(ui, "As in the live view, what fills holes far from samples is dimmed.");
             }
             let link =
                 ui.link(RichText::new("With what its colors mean and a scale bar it is a figure.").small());
             if link.accessible_name("Share a figure of this view").clicked() {
-                (options.way, options.figure_of) = (ShareWay::Figure, FigureOf::Live);
+                (options.way, options.figure_of) = (Way::Figure, FigureOf::Live);
             }
         }
-        ShareWay::Page if state.doc.path.pictures() > 0 => {
+        Way::Page if state.doc.path.pictures() > 0 => {
             let keys = &state.doc.path.keys;
             let passes_time = keys.first().map(|key| key.frame) < keys.last().map(|key| key.frame);
             note(ui, if passes_time { PATH } else { NO_PATH });
         }
-        ShareWay::Film => {
+        Way::Film => {
             look_ui(ui, state, options);
             still_ui(ui, state);
         }
-        ShareWay::Pictures if options.pictures == SharedPictures::CameraPath => look_ui(ui, state, options),
+        Way::Pictures => look_ui(ui, state, options),
         _ => {}
     }
 }
 
-fn page_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
+fn page_ui(ui: &mut Ui, state: &State, options: &mut Options) {
     let name = state.doc.scene.as_ref().map_or("", |scene| scene.name.as_str());
     ui.label("Title");
     ui.add(TextEdit::singleline(&mut options.title).desired_width(f32::INFINITY).hint_text(name))
@@ -129,13 +141,9 @@ fn page_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
     ui.end_row();
 }
 
-fn splats_ui(ui: &mut Ui, options: &mut ShareOptions) {
-    ui.label("Format");
-    options.format = segments_ui(ui, "Format", options.format, FORMATS).unwrap_or(options.format);
-    ui.end_row();
-    ui.label("Sky");
-    options.sky = segments_ui(ui, "Sky", options.sky, SKIES).unwrap_or(options.sky);
-    ui.end_row();
+fn splats_ui(ui: &mut Ui, options: &mut Options) {
+    choice_ui(ui, ["Format"; 2], &mut options.format, FORMATS);
+    choice_ui(ui, ["Sky"; 2], &mut options.sky, SKIES);
     ui.checkbox(&mut options.splats_are_bounded, "At most")
         .on_hover_text("Samples are merged where that shows least.");
     ui.horizontal(|ui| {
@@ -146,7 +154,7 @@ fn splats_ui(ui: &mut Ui, options: &mut ShareOptions) {
     ui.end_row();
 }
 
-fn film_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
+fn film_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Commands) {
     compares_ui(ui, state, options);
     picture_size_ui(ui, state, commands);
     ui.label("Pace");
@@ -169,10 +177,8 @@ fn film_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mu
 }
 
 /// What a film shows: the samples, or both sides of the comparison.
-fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
-    ui.label("Shows");
-    options.compares = segments_ui(ui, "Shows", options.compares, COMPARES).unwrap_or(options.compares);
-    ui.end_row();
+fn compares_ui(ui: &mut Ui, state: &State, options: &mut Options) {
+    choice_ui(ui, ["Shows"; 2], &mut options.compares, COMPARES);
     if options.compares.is_some() {
         ui.label("");
         let sides = state.inspector.compare.choice.sides;
@@ -185,9 +191,9 @@ fn compares_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
 }
 
 /// Says that pictures along the path look as the live view does, where that is not plain.
-fn look_ui(ui: &mut Ui, state: &State, options: &ShareOptions) {
+fn look_ui(ui: &mut Ui, state: &State, options: &Options) {
     if let (Some(look), None) = (state.film_look(), options.compares) {
-        let linear = options.way == ShareWay::Pictures && options.linear;
+        let linear = options.way == Way::Pictures && options.linear;
         let but = if linear { " EXR keeps linear color." } else { "" };
         note(ui, format!("Shown as in the live view: {look}.{but}"));
     }
@@ -199,25 +205,19 @@ fn picture_size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.end_row();
 }
 
-fn pictures_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions, commands: &mut Commands) {
-    ui.label("Of");
-    options.pictures =
-        segments_ui(ui, "Pictures of", options.pictures, SharedPictures::ALL).unwrap_or(options.pictures);
-    ui.end_row();
-    let is_path = options.pictures == SharedPictures::CameraPath;
+fn pictures_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Commands) {
+    choice_ui(ui, ["Of", "Pictures of"], &mut options.along_path, PICTURES);
+    let is_path = options.along_path;
     if is_path {
         compares_ui(ui, state, options);
     }
     let is_compared = is_path && options.compares.is_some();
     if !is_compared {
-        ui.label("Format");
-        options.linear = segments_ui(ui, "Format", options.linear, KINDS).unwrap_or(options.linear);
-        ui.end_row();
+        choice_ui(ui, ["Format"; 2], &mut options.linear, KINDS);
     }
     if is_path {
         picture_size_ui(ui, state, commands);
-    }
-    if options.pictures == SharedPictures::View {
+    } else {
         view_size_ui(ui, state, options);
     }
 }
@@ -226,7 +226,7 @@ const VIEW_SIZE: &str =
     "Columns and rows of the picture. What the view shows fits inside; it is rendered as finely.";
 
 /// Columns and rows of a picture of this view, or percent of what is shown.
-fn view_size_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
+fn view_size_ui(ui: &mut Ui, state: &State, options: &mut Options) {
     let shown = state.doc.live_shown.as_ref().map(|shown| shown.picture.size.map(|side| side as u32));
     let shown = shown.unwrap_or(state.live.size);
     let before = options.picture_size.unwrap_or(shown);
@@ -256,11 +256,8 @@ fn view_size_ui(ui: &mut Ui, state: &State, options: &mut ShareOptions) {
     }
 }
 
-fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
-    ui.label("Of");
-    options.figure_of =
-        segments_ui(ui, "Figure of", options.figure_of, FigureOf::ALL).unwrap_or(options.figure_of);
-    ui.end_row();
+fn figure_ui(ui: &mut Ui, options: &mut Options) {
+    choice_ui(ui, ["Of", "Figure of"], &mut options.figure_of, FigureOf::ALL);
     let figure = &mut options.figure;
     ui.label("Width");
     ui.horizontal(|ui| {
@@ -270,13 +267,9 @@ fn figure_ui(ui: &mut Ui, options: &mut ShareOptions) {
         let drag = DragValue::new(&mut dots).range(DOTS_PER_INCH).suffix(" dpi");
         ui.add(drag.update_while_editing(false)).accessible_name("Dots per inch");
         if dots != figure.dots_per_inch || (width - figure.width_mm()).abs() > 0.01 {
-            *figure = FigureOptions {
-                columns: FigureWidth::Millimeters(width).columns(dots),
-                dots_per_inch: dots,
-                ..figure.clone()
-            };
+            (figure.width, figure.dots_per_inch) = (FigureWidth::Millimeters(width), dots);
         }
-        weak(ui, format!("{} px", figure.columns));
+        weak(ui, format!("{} px", figure.columns()));
     });
     ui.end_row();
     ui.label("Paper");
@@ -321,17 +314,15 @@ fn hidden_cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-fn cameras_ui(ui: &mut Ui, state: &State) {
-    ui.label("Holds");
+/// What a file holds that nothing is chosen of.
+fn holds_ui(ui: &mut Ui, state: &State, way: Way) {
     let cameras = state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
-    let poses = if state.current_whole().is_some() { "posed as pruned" } else { "posed as in the capture" };
-    ui.label(format!("{}, {poses}", counted(cameras, "camera")));
-    ui.end_row();
-}
-
-fn store_ui(ui: &mut Ui, state: &State) {
-    let cameras = state.doc.scene.as_ref().map_or(0, |scene| scene.cameras.len());
+    let what = match way {
+        Way::Cameras if state.current_whole().is_some() => "posed as pruned".to_owned(),
+        Way::Cameras => "posed as in the capture".to_owned(),
+        _ => counted(state.frame_count(), "frame"),
+    };
     ui.label("Holds");
-    ui.label(format!("{}, {}", counted(cameras, "camera"), counted(state.frame_count(), "frame")));
+    ui.label(format!("{}, {what}", counted(cameras, "camera")));
     ui.end_row();
 }

@@ -6,13 +6,13 @@ use egui::Color32;
 
 use crate::app::camera_cues;
 use crate::app::colormap::{diverging, sequential};
-use crate::app::model::look::Unit;
 use crate::app::model::percent;
 use crate::app::model::picture::{
     ColorBy, HoleDisplay, Legend, LiveKey, Overlay, RATIO_RANGE, VIEW_DEPENDENCE_RANGE, ranked,
 };
 use crate::app::rooms::compare::state::{CLASSES, CompareMeasure, ComparisonFigure, ShownSides};
 use crate::app::theme::Tokens;
+use crate::ways_out::figure::Unit;
 use overlook_engine::capture::Camera;
 use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::render::{NO_IMAGE, Picture};

@@ -6,18 +6,18 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage};
 use image::RgbaImage;
 
-use crate::app::model::look::{Display, Unit};
+use crate::app::model::look::Display;
 use crate::app::model::picture::{LiveKey, Overlay, PixelSource, SourceKey};
-use crate::app::model::purpose::FigureOptions;
 use crate::app::model::{Same, median_depth};
 use crate::app::rooms::compare::state::{CompareKey, ComparisonFigure};
 use crate::app::rooms::compare::work::{self, Comparer};
-use crate::app::rooms::files::work::{chart_image, color_image, write_chart};
+use crate::app::rooms::files::work::{chart_bytes, chart_image, color_image};
 use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::share::work::figure_meaning::{Meaning, of_live, of_source};
 use crate::app::rooms::share::{ComparedFilm, FilmLook};
 use crate::app::rooms::source::work::source_picture;
 use crate::app::work::shown_samples::CameraFilter;
+use crate::ways_out::figure::{FIGURE, FigureOptions, Unit};
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::color::{linear_from_srgb, srgb8_from_linear};
 use overlook_engine::error::{Error, Result};
@@ -28,6 +28,7 @@ use overlook_engine::preprocess::{self, inspect_frame};
 use overlook_engine::render::film::{self, FilmSource};
 use overlook_engine::render::{NO_IMAGE, Picture, Renderer, Vantage};
 use overlook_engine::settings::Settings;
+use overlook_engine::whole_file;
 use overlook_lab::chart::{ColorBar, Figure, ScaleBar, SideNames};
 
 /// The middle of a picture, which its scale bar is valid for: so many parts of each side lie on either side of it.
@@ -144,7 +145,9 @@ pub(crate) fn of_rendered(
 /// # Errors
 /// `Invalid` for another ending, and those of drawing and writing.
 pub(crate) fn write(path: &Path, figure: &Figure) -> Result<u64> {
-    write_chart(path, &figure.chart()?)
+    let bytes = chart_bytes(path, &figure.chart()?)?;
+    whole_file::write_all(path, &bytes)?;
+    Ok(bytes.len() as u64)
 }
 
 /// A figure as an image.
@@ -172,7 +175,7 @@ fn put_together(
         color_bar: color_bar.filter(|_| options.has_legend),
         scale: scale.filter(|_| options.has_scale_bar),
         caption: options.caption.clone(),
-        columns: options.columns,
+        columns: options.columns(),
         dots_per_inch: options.dots_per_inch,
         type_points: options.type_points,
         is_dark: options.is_dark,
@@ -332,7 +335,7 @@ fn displayed(key: &LiveKey, image: &ColorImage, rendered: &Picture) -> Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::rooms::files::work::FIGURE_ENDINGS;
+    use crate::ways_out::figure::FigureWidth;
     use overlook_engine::demo::{Demo, DemoSpec};
 
     #[test]
@@ -340,14 +343,17 @@ mod tests {
         let demo = Demo::new(&DemoSpec::new("orrery").size((48, 36)).frames(2)).unwrap();
         let settings = Settings::default();
         let capture = demo.capture(&settings.capture);
-        let options =
-            FigureOptions { columns: 480, caption: "A caption.".to_owned(), ..FigureOptions::default() };
+        let options = FigureOptions {
+            width: FigureWidth::Pixels(480),
+            caption: "A caption.".to_owned(),
+            ..FigureOptions::default()
+        };
         let folder = tempfile::tempdir().unwrap();
         for (overlay, name, _) in Overlay::ALL {
             let figure = of_camera(&capture, [1, 1], overlay, &settings, &options, &Job::new()).unwrap();
             let says_something = !figure.legend.is_empty() || figure.color_bar.is_some();
             assert_eq!(says_something, overlay != Overlay::Color, "{name}");
-            for (ending, begins) in FIGURE_ENDINGS.iter().zip([&b"%PDF"[..], b"<svg", b"\x89PNG"]) {
+            for (ending, begins) in FIGURE.endings.iter().zip([&b"%PDF"[..], b"<svg", b"\x89PNG"]) {
                 let path = folder.path().join(format!("figure.{ending}"));
                 let bytes = write(&path, &figure).unwrap();
                 let written = std::fs::read(&path).unwrap();

@@ -6,12 +6,12 @@ use egui::{Painter, PointerButton, Rect, Response, Sense, Ui, Vec2, vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 use glam::DVec2;
 
+use crate::app::model::camera_text::CameraText;
 use crate::app::model::command::{
     DrawnDepth, EditCommand, EditTool, FileCommand, PixelCommand, SourceCommand,
 };
 use crate::app::model::picture::{Legend, Overlay, PictureZoom};
 use crate::app::model::purpose::{FigureOf, Purpose};
-use crate::app::model::text::CameraText;
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::picture_menu::picture_menu_ui;
 use crate::app::rooms;

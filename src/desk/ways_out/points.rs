@@ -11,11 +11,61 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use half::f16;
 
+use super::shared::{FileKind, Frames, Options, Scope, Shared, Size, WayOut, at, write_frames};
+use crate::text::count_of;
 use overlook_engine::capture::Camera;
 use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
+use overlook_engine::plural::counted;
+use overlook_engine::render::film::FilmSource;
 use overlook_engine::samples::{OctNormal, PlacedSample, SampleImage, SampleSet, are_far_from_origin};
 use overlook_engine::whole_file;
+
+pub(crate) const WAY: WayOut = WayOut {
+    name: "Points",
+    used: "A point cloud with normals, colors and radii as PLY, for programs that measure and mesh.",
+    button: "Save the points…",
+    command: "points",
+    about: "Samples as binary PLY: points with normal, color and radius",
+    kind: |options| if options.points_of_all_frames { &POINTS_OF_FRAMES } else { &POINTS },
+    size,
+    write: Some((&[POINTS, POINTS_OF_FRAMES], share)),
+};
+
+/// The points of a frame.
+pub(crate) const POINTS: FileKind = FileKind::of_samples("Share points", &["ply"], "points");
+
+/// Those of every frame.
+pub(crate) const POINTS_OF_FRAMES: FileKind = FileKind::of_samples("Share points in a folder", &[], "points");
+
+fn size(scope: &Scope, options: &Options) -> Size {
+    let each = if scope.is_far { POINT_BYTES } else { POINT_BYTES - 3 * 4 };
+    let files = if options.points_of_all_frames { scope.frames } else { 1 };
+    let points = scope.facts.placed_here * files as u64;
+    let mut reason = format!("{} of {each} B", count_of(points, "point"));
+    if files > 1 {
+        reason = format!("{reason} in {}", counted(files, "file"));
+    }
+    Size::about(points as f64 * each as f64, reason)
+}
+
+fn share(path: &Path, source: &FilmSource, shared: &Shared, job: &Job) -> Result<(String, usize)> {
+    let at_frame = |path: &Path, set: &SampleSet, frame| {
+        let images = set.images.iter().map(|image| &**image);
+        write(path, set, images.filter(move |image| image.span.contains(frame)))
+    };
+    let points = match shared.frames {
+        Frames::One(frame) => vec![at_frame(path, &*at(source, frame, job)?, frame)?],
+        Frames::Still => {
+            let (set, frames) = (at(source, 0, job)?, source.frame_count());
+            let still = set.images.iter().map(|image| &**image).filter(|image| image.span.len() == frames);
+            vec![write(path, &set, still)?]
+        }
+        Frames::Every => write_frames(path, "ply", source, job, at_frame)?,
+    };
+    Ok(((shared.count)(points.iter().sum(), "point"), points.len()))
+}
 
 /// Bytes of a point at most: position and normal, radius, color.
 const POINT_BYTES: usize = 3 * 8 + 4 * 4 + 3;
@@ -48,7 +98,7 @@ pub(crate) struct Disk {
 }
 
 /// Writes the samples of some images and returns their number. Samples at infinity have no position and are left out.
-pub(crate) fn write<'a>(
+fn write<'a>(
     path: &Path,
     set: &SampleSet,
     images: impl Iterator<Item = &'a SampleImage> + Clone,
