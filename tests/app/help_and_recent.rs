@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
+use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -55,6 +56,11 @@ fn the_help_menu_has_the_guide_the_keys_and_mouse_and_the_version_with_the_adapt
             let place = window.query_all_by_label_contains(texts[0]).next().unwrap().rect();
             let menus = window.get_by_label("Help").rect();
             assert!(place.left() > SIZE[0] / 2.0 && place.top() > menus.bottom(), "{place}");
+            for (link, text) in [("SCIENCE.md", "For scientists"), ("Guide", texts[1])] {
+                window.get_by_role_and_label(Role::Link, link).click();
+                window.run_steps(3);
+                assert!(shows(&window, text), "{link} leads to {text}");
+            }
         }
         window.key_press(Key::Escape);
         window.run_steps(3);

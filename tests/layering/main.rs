@@ -116,9 +116,10 @@ const STAGES: [(&str, &[&str]); 8] = [
 ];
 
 /// Outside libraries that only some files may use, as prefixes of their paths.
-const CONFINED: [(&str, &[&str]); 17] = [
+const CONFINED: [(&str, &[&str]); 18] = [
     ("egui", &["desk/app/"]),
     ("epaint", &["desk/app/"]),
+    ("egui_commonmark", &["desk/app/"]),
     ("egui_tiles", &["desk/app/"]),
     ("egui_material_icons", &["desk/app/"]),
     ("eframe", &["desk/app/"]),

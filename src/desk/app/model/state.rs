@@ -321,7 +321,7 @@ impl State {
             || inspector.closing.asks
             || self.doc.readings.is_open
             || self.doc.charts.question.is_some()
-            || inspector.help.is_some_and(|page| page != HelpPage::Guide)
+            || inspector.help.is_some_and(|page| !matches!(page, HelpPage::Guide(_)))
     }
 }
 

@@ -180,7 +180,8 @@ pub(crate) fn and_others(first: &str, others: usize) -> String {
 /// A page of help.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HelpPage {
-    Guide,
+    /// The guide, or a page that it leads to: an index into those.
+    Guide(usize),
     /// What a capture is known by.
     Sources,
     Shortcuts,

@@ -1,7 +1,7 @@
 //! What counts as the same depth when a point of one camera is looked for in another, by the one who asks: less than this share of the
 //! depth that was found there, or of what stands for it in an orthographic camera ([`crate::capture::Intrinsics::depth_scale`]). Each was tried at the values of the others; a value of its own has its reason.
 
-/// A surface as one pixel of a real sensor shows it, with all its noise: choice of views, votes on kept samples, and samples that
+/// A surface as one pixel of a real sensor shows it, with all its noise: choice of views, what a picture in an edit shows, and samples that
 /// determine a color lens, which alone is in doubt there. At 2 % the choice of views loses 0.5 dB, at 5 % nothing changes.
 pub const NOISY_PIXEL: f64 = 0.03;
 

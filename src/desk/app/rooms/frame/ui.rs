@@ -163,7 +163,7 @@ fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     menu_ui(ui, ICON_HELP, "Help", |ui| {
         for (name, keys, page) in [
-            ("Guide", "", HelpPage::Guide),
+            ("Guide", "", HelpPage::Guide(0)),
             ("Keyboard and mouse shortcuts", "?", HelpPage::Shortcuts),
             ("About Overlook", "", HelpPage::About),
         ] {

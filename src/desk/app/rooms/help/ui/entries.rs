@@ -153,7 +153,7 @@ fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command);
         ("Light theme", "", Command::Window(WindowCommand::Dark(false))),
         ("Dark theme", "", Command::Window(WindowCommand::Dark(true))),
         ("Reset layout", "", Command::Window(WindowCommand::ResetLayout)),
-        ("Guide", "", Command::Window(WindowCommand::Help(Some(HelpPage::Guide)))),
+        ("Guide", "", Command::Window(WindowCommand::Help(Some(HelpPage::Guide(0))))),
         ("What opens", "", Command::Window(WindowCommand::Help(Some(HelpPage::Sources)))),
         (
             "Keyboard and mouse shortcuts",

@@ -3,7 +3,10 @@
 pub(crate) mod entries;
 pub(crate) mod palette;
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use egui::{Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
+use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 
 use crate::app::model::command::WindowCommand;
 use crate::app::model::window::{HELP, HelpPage};
@@ -12,14 +15,20 @@ use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
 use overlook_engine::capture::known_sources;
 
-/// The guide as it comes with the source code.
-const GUIDE: &str = include_str!("../../../../../../GUIDE.md");
+/// Pages as they come with the source code, by the names that links call them. The first is the guide.
+const PAGES: [(&str, &str); 5] = [
+    ("GUIDE.md", include_str!("../../../../../../GUIDE.md")),
+    ("EXPORT.md", include_str!("../../../../../../EXPORT.md")),
+    ("EDITING.md", include_str!("../../../../../../EDITING.md")),
+    ("SCIENCE.md", include_str!("../../../../../../SCIENCE.md")),
+    ("CAPTURES.md", include_str!("../../../../../../CAPTURES.md")),
+];
 
 /// The page of help that is open.
 pub(crate) fn help_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
     match state.inspector.help {
         None => {}
-        Some(HelpPage::Guide) => guide_ui(ctx, commands),
+        Some(HelpPage::Guide(page)) => guide_ui(ctx, page, commands),
         Some(HelpPage::Sources) => sheet_ui(ctx, commands, "What opens", sources_ui),
         Some(HelpPage::Shortcuts) => sheet_ui(ctx, commands, "Keyboard and mouse shortcuts", shortcuts_ui),
         Some(HelpPage::About) => sheet_ui(ctx, commands, "About Overlook", |ui| about_ui(ui, state)),
@@ -29,105 +38,53 @@ pub(crate) fn help_ui(ctx: &egui::Context, state: &State, commands: &mut Command
 /// Columns and rows of the guide at first, points.
 const GUIDE_SIZE: egui::Vec2 = egui::vec2(460.0, 520.0);
 
-/// The guide is beside the views that it explains, and unlike the sheets it leaves the window usable: at the right, below the menus.
-fn guide_ui(ctx: &egui::Context, commands: &mut Commands) {
+/// The guide is beside the views that it explains, and unlike the sheets it leaves the window usable: at the right, below the menus. A
+/// link to another page opens that page in its place.
+fn guide_ui(ctx: &egui::Context, page: usize, commands: &mut Commands) {
     let mut open = true;
     let area = ctx.content_rect();
     let corner =
         area.right_top() + egui::vec2(-GUIDE_SIZE.x - 40.0, space::TOP_BAR + space::TOTALS + space::MEDIUM);
+    let text = shown(PAGES.get(page).map_or("", |(_, text)| text), page > 0);
+    // It knows where headings are from one frame to the next.
+    let cache = ctx.data_mut(|data| {
+        data.get_temp_mut_or_default::<Arc<Mutex<CommonMarkCache>>>(Id::unique("guide")).clone()
+    });
+    let mut cache = cache.lock().unwrap_or_else(PoisonError::into_inner);
+    let links = text.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0));
+    links.filter(|link| link.contains(".md")).for_each(|link| cache.add_link_hook(link));
     egui::Window::new("Guide")
         .open(&mut open)
         .default_pos(corner)
         .default_size(GUIDE_SIZE)
         .max_height(area.height() - 120.0)
         .show(ctx, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                for block in blocks(GUIDE) {
-                    block_ui(ui, block);
-                }
+            ScrollArea::vertical().id_salt(page).auto_shrink(false).show(ui, |ui| {
+                CommonMarkViewer::new().enable_scroll_to_heading(true).show(ui, &mut cache, &text);
             });
         });
-    if !open {
-        commands.push(Command::Window(WindowCommand::Help(None)));
+    let clicked = cache.link_hooks().iter().find(|(_, is_clicked)| **is_clicked).map(|(link, _)| link);
+    let opened = clicked.and_then(|link| PAGES.iter().position(|(name, _)| link.starts_with(name)));
+    if opened.is_some() || !open {
+        commands.push(Command::Window(WindowCommand::Help(opened.map(HelpPage::Guide))));
     }
 }
 
-/// A piece of the guide.
-#[derive(Debug, PartialEq, Eq)]
-enum MarkdownBlock {
-    Title(String),
-    Heading(String),
-    Item(String),
-    Paragraph(String),
-    /// Cells of a row of a table.
-    Row(Vec<String>),
-}
-
-/// The guide cut into pieces, pictures left out: the window itself is what they show.
-fn blocks(markdown: &str) -> Vec<MarkdownBlock> {
-    let mut blocks: Vec<MarkdownBlock> = Vec::new();
-    let mut goes_on = false;
-    for line in markdown.lines() {
-        let text = line.trim();
-        let is_rule = text.starts_with('|') && text.chars().all(|letter| "|-: ".contains(letter));
-        if text.is_empty() || text.starts_with("![") || is_rule {
-            goes_on = false;
-        } else if let Some(title) = text.strip_prefix("# ") {
-            blocks.push(MarkdownBlock::Title(plain(title)));
-        } else if let Some(heading) = text.strip_prefix("## ") {
-            blocks.push(MarkdownBlock::Heading(plain(heading)));
-        } else if text.starts_with('|') {
-            blocks.push(MarkdownBlock::Row(
-                text.trim_matches('|').split('|').map(|cell| plain(cell.trim())).collect(),
-            ));
-        } else if let Some(item) = text.strip_prefix("- ") {
-            goes_on = true;
-            blocks.push(MarkdownBlock::Item(plain(item)));
-        } else if let (true, Some(MarkdownBlock::Item(before) | MarkdownBlock::Paragraph(before))) =
-            (goes_on, blocks.last_mut())
-        {
-            *before = format!("{before} {}", plain(text));
+/// A page as the window shows it: without pictures, which the window itself is, and with tables as lists, whose texts wrap. `leads_back`
+/// is whether a link to the guide is above it.
+fn shown(page: &str, leads_back: bool) -> String {
+    let mut lines = if leads_back { vec!["[Guide](GUIDE.md)\n".to_owned()] } else { Vec::new() };
+    for line in page.lines().filter(|line| !line.starts_with("![")) {
+        if line.starts_with("|-") {
+            // Names of columns are above it.
+            lines.pop();
+        } else if let Some((name, rest)) = line.strip_prefix("| ").and_then(|row| row.split_once(" | ")) {
+            lines.push(format!("- {name}: {}", rest.trim_end_matches(" |").replace(" | ", "; ")));
         } else {
-            goes_on = true;
-            blocks.push(MarkdownBlock::Paragraph(plain(text)));
+            lines.push(line.to_owned());
         }
     }
-    blocks
-}
-
-/// A line without its marks of emphasis and code.
-fn plain(text: &str) -> String {
-    text.replace(['*', '`'], "")
-}
-
-fn block_ui(ui: &mut Ui, block: MarkdownBlock) {
-    match block {
-        MarkdownBlock::Title(title) => {
-            ui.label(RichText::new(title).heading().size(19.0));
-        }
-        MarkdownBlock::Heading(heading) => {
-            ui.add_space(space::MEDIUM);
-            ui.heading(heading);
-        }
-        MarkdownBlock::Item(item) => {
-            ui.horizontal_top(|ui| {
-                ui.label("•");
-                ui.add(Label::new(item).wrap());
-            });
-        }
-        MarkdownBlock::Paragraph(text) => {
-            ui.add(Label::new(text).wrap());
-            ui.add_space(space::SMALL);
-        }
-        MarkdownBlock::Row(cells) => {
-            let mut cells = cells.into_iter();
-            let name = cells.next().unwrap_or_default();
-            ui.horizontal_top(|ui| {
-                ui.add_sized([110.0, 18.0], Label::new(RichText::new(name).strong()).wrap());
-                ui.add(Label::new(cells.collect::<Vec<_>>().join("  ")).wrap());
-            });
-        }
-    }
+    lines.join("\n")
 }
 
 /// Height that the title, the button and the edges of a page take, and what stays of the window around it, points.
@@ -223,20 +180,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_guide_is_cut_into_headings_items_rows_and_paragraphs() {
-        let text = "# A walk\n\nTen *steps*\nlead.\n\n## 1. Open\n![p](x.png)\n- one\n  more\n- two\n\n| a | b |\n|---|---|\n| `c` | d |\n";
-        let owned = |text: &str| text.to_owned();
-        assert_eq!(
-            blocks(text),
-            [
-                MarkdownBlock::Title(owned("A walk")),
-                MarkdownBlock::Paragraph(owned("Ten steps lead.")),
-                MarkdownBlock::Heading(owned("1. Open")),
-                MarkdownBlock::Item(owned("one more")),
-                MarkdownBlock::Item(owned("two")),
-                MarkdownBlock::Row(vec![owned("a"), owned("b")]),
-                MarkdownBlock::Row(vec![owned("c"), owned("d")]),
-            ]
-        );
+    fn tables_are_shown_as_lists_and_pictures_are_left_out() {
+        let page = "# A walk\n\n![p](x.png)\n| a | b | c |\n|---|---|---|\n| `c` | d | e |\n";
+        assert_eq!(shown(page, false), "# A walk\n\n- `c`: d; e");
+        assert!(shown(page, true).starts_with("[Guide](GUIDE.md)\n\n# A walk"));
     }
 }
