@@ -1,6 +1,6 @@
 //! What accuracy costs: sweeps and stress tests as charts.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;

@@ -1,6 +1,6 @@
 //! The comparison of two pictures of one viewpoint.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;

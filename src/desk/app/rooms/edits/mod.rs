@@ -1,6 +1,6 @@
 //! Edits: what is selected, deleted and brought back by hand.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;

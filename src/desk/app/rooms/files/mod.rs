@@ -1,9 +1,9 @@
 //! Files: what is opened, saved and remembered, and the paths that a person chooses for that.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod paths;
 pub(crate) mod remembered;
-pub(crate) mod session;
+mod session;
 pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;

@@ -1,6 +1,6 @@
 //! What surrounds the views: bars, workspaces and notices.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod ui;
 
 use std::path::Path;

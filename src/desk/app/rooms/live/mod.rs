@@ -1,6 +1,6 @@
 //! The live view: the scene from any viewpoint, and how one looks around.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;

@@ -1,6 +1,6 @@
 //! The selected pixel, and the whole argument about it.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;

@@ -1,6 +1,6 @@
 //! Whether the files of a capture are read as they are meant, and another reading beside it.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;

@@ -1,6 +1,6 @@
 //! The report: what was dropped and why, by rule, pair of cameras and memory.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod ui;
 pub(crate) mod work;
 

@@ -1,6 +1,6 @@
 //! Settings: the sliders, their histograms, presets, and settings as they were.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod ui;
 pub(crate) mod work;
 

@@ -1,6 +1,6 @@
 //! Everything that leaves the window: pages, splats, points, films and figures.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;

@@ -1,6 +1,6 @@
 //! The source view: what a camera recorded, with what was decided about its pixels.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod ui;
 pub(crate) mod work;
 

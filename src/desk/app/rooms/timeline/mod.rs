@@ -1,6 +1,6 @@
 //! Time: the frame that is shown, playback, and when samples last.
 
-pub(crate) mod control;
+mod control;
 pub(crate) mod ui;
 
 use std::collections::{BTreeSet, VecDeque};

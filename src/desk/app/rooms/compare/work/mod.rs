@@ -2,7 +2,7 @@
 //!
 //! With a renderer of its own, so that neither view waits.
 
-pub(crate) mod difference;
+mod difference;
 
 use std::sync::Arc;
 

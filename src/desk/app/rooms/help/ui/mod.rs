@@ -1,6 +1,6 @@
 //! Help: the guide beside the window's work, the sheet of shortcuts, and what this program is.
 
-pub(crate) mod entries;
+mod entries;
 pub(crate) mod palette;
 
 use std::sync::{Arc, Mutex, PoisonError};

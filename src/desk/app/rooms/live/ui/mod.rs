@@ -1,6 +1,6 @@
 //! The right view: what is left of the capture, seen from anywhere.
 
-pub(crate) mod guides;
+mod guides;
 pub(crate) mod panel;
 
 use egui::{Align, Layout, Painter, PointerButton, Rect, Response, RichText, Sense, Ui, vec2};

@@ -1,7 +1,7 @@
 //! How the live view is painted: at once and as finely as fits the budget while it moves, in full once it rests. Meanwhile the last
 //! picture is carried to where the view is.
 
-pub(crate) mod dimmed_fills;
+mod dimmed_fills;
 pub(crate) mod image;
 
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! How many samples each rule pruned, for which camera; how well cameras agree; and how noisy the capture is.
 
-pub(crate) mod causes;
-pub(crate) mod pairs;
+mod causes;
+mod pairs;
 
 use egui::{Align, Color32, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use egui_extras::{Column, TableBuilder};

@@ -1,6 +1,6 @@
 //! The dialog of all ways out: what each is for, how large it will be, and its making.
 
-pub(crate) mod options;
+mod options;
 
 use egui::{Align, Button, Frame, Id, Label, Layout, Modal, ProgressBar, RichText, Ui, Vec2};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN, ICON_LINK};

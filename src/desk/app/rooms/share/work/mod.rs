@@ -1,6 +1,6 @@
 //! Writes pictures of the live view, and the pictures or the film of a camera path.
 
-pub(crate) mod figure_meaning;
+mod figure_meaning;
 pub(crate) mod pictures;
 
 use std::path::Path;

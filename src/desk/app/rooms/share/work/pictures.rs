@@ -17,7 +17,7 @@ use crate::app::rooms::share::work::figure_meaning::{Meaning, of_live, of_source
 use crate::app::rooms::share::{ComparedFilm, FilmLook};
 use crate::app::rooms::source::work::source_picture;
 use crate::app::work::shown_samples::CameraFilter;
-use crate::ways_out::figure::{FIGURE, FigureOptions, Unit};
+use crate::ways_out::figure::{FigureOptions, Unit};
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::color::{linear_from_srgb, srgb8_from_linear};
 use overlook_engine::error::{Error, Result};
@@ -335,7 +335,7 @@ fn displayed(key: &LiveKey, image: &ColorImage, rendered: &Picture) -> Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ways_out::figure::FigureWidth;
+    use crate::ways_out::figure::{FIGURE, FigureWidth};
     use overlook_engine::demo::{Demo, DemoSpec};
 
     #[test]
