@@ -173,8 +173,7 @@ impl Svg {
         let _ = writeln!(
             self.text,
             "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" rx=\"{radius:.2}\" \
-             fill=\"{}\" fill-opacity=\"0.72\"/>",
-            PLATE
+             fill=\"{PLATE}\" fill-opacity=\"0.72\"/>"
         );
     }
 
@@ -245,8 +244,7 @@ impl Svg {
         };
         let shape = match marker {
             Marker::Dot => format!(
-                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r}\" fill=\"{color}\" stroke=\"{}\" stroke-width=\"0.8\"/>",
-                PAPER
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r}\" fill=\"{color}\" stroke=\"{PAPER}\" stroke-width=\"0.8\"/>"
             ),
             Marker::Ring => format!(
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{r}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2.4\"/>"
