@@ -82,7 +82,8 @@ fn both_filled(
     [plain, by_cpu, paint(gpu, samples, &vantage, &filled)]
 }
 
-/// Share of filled pixels that may differ: a surface that is at a limit to the last bits counts for one and not for the other.
+/// Share of filled pixels that may differ: a surface that is at a limit to the last bits counts for one and not for the other. It is of
+/// the filled pixels alone. Of all pixels it is less than 5·10⁻⁴ wherever holes take less than half of a picture.
 const DIFFERING_FILLED: f64 = 1e-3;
 
 fn holes(picture: &Picture) -> usize {
