@@ -79,5 +79,5 @@ fn save(left: &Picture, right: &Picture) {
         };
         image::Rgb(color)
     });
-    both.save(Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots/zoom.png")).unwrap();
+    both.save(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../screenshots/zoom.png")).unwrap();
 }
