@@ -125,7 +125,7 @@ fn a_frame_beside_a_fractional_time_is_the_number_of_its_picture_and_of_its_view
 
 #[test]
 fn negative_depth_is_refused_whatever_stands_for_nothing_hit() {
-    for background in [0.0, 1e10, f32::NAN] {
+    for background in [0.0, 1e10, f32::NAN, f32::INFINITY] {
         let folder = Folder::new();
         let mut depth = vec![-2.0; PIXELS];
         depth[..PIXELS / 2].fill(background);

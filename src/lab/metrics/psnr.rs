@@ -28,16 +28,3 @@ pub(crate) fn mean_squared_error(
     }
     (count > 0).then(|| sum / count as f64)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_tenth_of_the_peak_is_twenty_decibels() {
-        assert_eq!(psnr_db(&[[0.5; 3]], &[[0.5; 3]], 0..1), Some(MAX_PSNR_DB));
-        assert_eq!(psnr_db(&[[0.5; 3]], &[[0.6; 3]], 0..0), None);
-        let decibels = psnr_db(&[[0.5; 3]], &[[0.6; 3]], 0..1).unwrap();
-        assert!((decibels - 20.0).abs() < 1e-4);
-    }
-}

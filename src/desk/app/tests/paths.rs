@@ -4,9 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::app::control::OverlookApp;
-use crate::app::model::command::{
-    ChartCommand, FileCommand, Opening, PathCommand, PixelCommand, ViewCommand,
-};
+use crate::app::model::command::{ChartCommand, FileCommand, PathCommand, PixelCommand, ViewCommand};
 use crate::app::model::look::{Background, Display};
 use crate::app::model::picture::ColorBy;
 use crate::app::model::purpose::{Purpose, Table};
@@ -250,36 +248,6 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
     app.state.notices.clear();
     app.receive(loaded());
     assert!(app.notices()[0].contains("captures opened from now on"), "{:?}", app.notices());
-}
-
-#[test]
-fn opening_something_else_asks_only_where_a_camera_path_or_points_are_lost() {
-    let mut app = ready(2, 2);
-    app.apply(Command::File(FileCommand::Open(Opening::Path("/no/such/capture".into()))));
-    assert!(app.state.open_after_question.is_none() && app.state.opening.is_some());
-    settle(&mut app);
-    app.apply(Command::Path(PathCommand::AddKey));
-    let opening = Opening::Demo("orrery".into());
-    let demo = Command::File(FileCommand::Open(opening.clone()));
-    app.apply(demo.clone());
-    assert!(app.state.open_after_question.as_ref() == Some(&opening) && app.state.opening.is_none());
-    app.apply(Command::File(FileCommand::Stay));
-    app.apply(Command::File(FileCommand::GoOnAnyway));
-    assert!(app.state.opening.is_none(), "nothing is asked any more");
-    app.apply(demo);
-    app.apply(Command::File(FileCommand::GoOnAnyway));
-    assert!(app.state.opening.is_some());
-}
-
-#[test]
-fn a_path_that_does_not_exist_asks_for_nothing_to_be_given_up() {
-    let mut app = ready(2, 2);
-    app.apply(Command::Path(PathCommand::AddKey));
-    app.state.notices.clear();
-    app.apply(Command::File(FileCommand::Open(Opening::Path("/no/such/capture".into()))));
-    wait(&mut app, "the error", |app| app.notices().iter().any(|told| told.contains("/no/such/capture")));
-    assert!(app.state.open_after_question.is_none());
-    assert_eq!(app.state.doc.path.keys.len(), 1);
 }
 
 #[test]

@@ -315,25 +315,4 @@ mod tests {
         journal(folder.path(), "one").add(&"after").unwrap();
         assert_eq!(journal(folder.path(), "one").points::<String>(), ["whole", "after"]);
     }
-
-    #[test]
-    fn a_second_run_is_refused_while_the_first_has_the_journal_open_on_whatever_it_measures() {
-        let folder = tempfile::tempdir().unwrap();
-        let refused = |fingerprint| {
-            let Err(error) = Journal::open(folder.path(), "t", fingerprint) else { panic!("{fingerprint}") };
-            assert!(error.to_string().contains("another run is writing here"), "{error}");
-        };
-        let first = journal(folder.path(), "one");
-        refused("one");
-        refused("two");
-        first.add(&1).unwrap();
-        drop(first);
-        let second = journal(folder.path(), "two");
-        refused("one");
-        second.add(&2).unwrap();
-        drop(second);
-        assert_eq!(journal(folder.path(), "two").points::<i32>(), [2]);
-        let aside = fs::read_to_string(folder.path().join("t.journal.old")).unwrap();
-        assert_eq!(aside, "\"one\"\n1\n");
-    }
 }

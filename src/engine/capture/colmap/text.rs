@@ -114,13 +114,4 @@ mod tests {
         let names: Vec<&str> = images.iter().map(|image| image.name.as_str()).collect();
         assert_eq!(names, ["a b.jpg", "c.jpg"]);
     }
-
-    #[test]
-    fn damage_names_its_line() {
-        let said = images_of_text("\n1 1 0 0 x 1 2 3 1 a.jpg\n\n", "images.txt").unwrap_err().to_string();
-        assert_eq!(said, "images.txt, line 2: 'x' is no number of its kind");
-        let said = cameras_of_text("# c\n1 PINHOLE 4 3 1 2\n", "cameras.txt").unwrap_err().to_string();
-        assert_eq!(said, "cameras.txt, line 2: there are 2 parameters where PINHOLE has 4");
-        assert!(cameras_of_text("1 LENSLESS 4 3", "").unwrap_err().to_string().contains("'LENSLESS'"));
-    }
 }

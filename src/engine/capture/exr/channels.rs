@@ -189,17 +189,6 @@ mod tests {
     ];
 
     #[test]
-    fn blenders_passes_are_told_apart() {
-        let found = find(BLENDER);
-        assert_eq!(found.color, Some([3, 2, 1]));
-        assert_eq!(found.alpha, Some(0));
-        assert_eq!(found.depth, Some(11));
-        assert_eq!(found.normal, Some([13, 14, 15]));
-        assert_eq!(found.position, Some([16, 17, 18]));
-        assert!(!found.depth_is_ray_distance);
-    }
-
-    #[test]
     fn traps_are_no_depth() {
         let traps = ["Mist.Z", "Normal.Z", "Position.Z", "N.Z", "P.Z", "Denoising Depth.Z"];
         for trap in traps {
@@ -248,22 +237,6 @@ mod tests {
             assert_eq!(wish(&names, &wishes).unwrap().depth, (layer == "right").then_some(6), "{layer}");
         }
         assert_eq!(find(&["R", "G", "B", "right.R", "right.G", "right.B", "right.Z"]).depth, None);
-    }
-
-    #[test]
-    fn two_view_layers_need_a_choice() {
-        let names: Vec<String> = ["Front", "Back"]
-            .iter()
-            .flat_map(|layer| {
-                ["Combined.R", "Combined.G", "Combined.B", "Depth.Z"].map(|name| format!("{layer}.{name}"))
-            })
-            .collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let error = wish(&names, &ChannelWishes::default()).unwrap_err().to_string();
-        assert!(error.contains("Front.Combined, Back.Combined"), "{error}");
-        let wishes = ChannelWishes { layer: Some("Back".into()), ..ChannelWishes::default() };
-        let found = wish(&names, &wishes).unwrap();
-        assert_eq!((found.color, found.depth), (Some([4, 5, 6]), Some(7)));
     }
 
     #[test]
@@ -340,13 +313,6 @@ mod tests {
         assert_eq!(of("X", &["X", "Y", "Z"]).unwrap(), Some([0, 1, 2]));
         assert_eq!(of("R", &["X", "Y", "Z", "R", "G", "B"]).unwrap(), Some([3, 4, 5]));
         assert!(of("W", &["X", "Y", "Z"]).is_err());
-    }
-
-    #[test]
-    fn a_t_beside_an_s_is_no_distance() {
-        let names = ["R", "G", "B", "st.S", "st.T", "P.X", "P.Y", "P.Z"];
-        let found = find(&names);
-        assert_eq!((found.depth, found.position), (None, Some([5, 6, 7])));
     }
 
     #[test]

@@ -346,17 +346,6 @@ mod tests {
     }
 
     #[test]
-    fn negative_depth_is_known_whatever_stands_for_nothing_hit() {
-        let rules = DepthRules { miss_value: Some(-1.0), ..DepthRules::default() };
-        for backwards in [[-3.0, 0.0], [-3.0, 1e10], [-3.0, f32::NAN], [-3.0, -1.0], [-3.0, f32::INFINITY]] {
-            assert!(rules.are_negative(&backwards), "{backwards:?}");
-        }
-        for other in [[-3.0, 2.0], [-1.0, -1.0], [0.0, 1e10], [f32::NAN, 2.0]] {
-            assert!(!rules.are_negative(&other), "{other:?}");
-        }
-    }
-
-    #[test]
     fn a_position_of_zero_was_not_hit_and_one_behind_the_camera_is_invalid() {
         let camera = camera();
         let behind = camera.unproject(DVec2::new(4.0, 3.0), -2.0);

@@ -84,13 +84,4 @@ mod tests {
         let (colors, _) = cut(&alpha, false);
         assert_eq!(colors[3], 0.25, "PNG keeps colors apart from alpha");
     }
-
-    #[test]
-    fn a_picture_under_alpha_that_is_0_everywhere_stays_and_an_empty_one_goes() {
-        assert_eq!(cut(&[0.0; 3], true).1, [0.0, 0.5, 0.5]);
-        let plane = AlphaPlane { values: vec![0.0; 3], is_associated: true };
-        let (mut colors, mut inverse_depth) = (vec![gray(0.0); 3], vec![0.5; 3]);
-        plane.cut_out(&mut colors, &mut inverse_depth);
-        assert_eq!(inverse_depth, [-1.0; 3]);
-    }
 }

@@ -62,11 +62,5 @@ mod tests {
         for file in [file("-1.0", f32::to_le_bytes), file("1", f32::to_be_bytes)] {
             assert_eq!(parse(&file, "test").unwrap(), ((2, 2), vec![1.0, f32::INFINITY, 3.0, 4.0]));
         }
-        for broken in
-            ["", "Pf", "PF\n1 1\n1\n", "Pf\n2 2\n-1.0\n123", "Pf\n0 2\n-1.0\n", "Pf\n9999999 9999999\n-1\n"]
-        {
-            let said = parse(broken.as_bytes(), "a.pfm").unwrap_err().to_string();
-            assert!(said.starts_with("a.pfm: ") && !said.contains('\n'), "{said}");
-        }
     }
 }

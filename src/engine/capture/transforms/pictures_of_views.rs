@@ -180,21 +180,6 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_another_size_are_named_before_any_is_scored() {
-        let folder = tempfile::tempdir().unwrap();
-        let (folder, views) = (folder.path(), views());
-        picture(folder, "at0/0004.png", 10, (4, 3));
-        picture(folder, "at0/0007.png", 11, (8, 6));
-        let found = open_pictures(folder, &views, false).unwrap();
-        assert_eq!(found.count(), 1);
-        let trouble = found.all().err().unwrap().to_string();
-        assert!(
-            trouble.contains("8×6") && trouble.contains("4×3") && trouble.contains("'at0/0007.exr'"),
-            "{trouble}"
-        );
-    }
-
-    #[test]
     fn pictures_with_poses_are_found_by_where_they_were_taken_whatever_their_names() {
         let folder = tempfile::tempdir().unwrap();
         let (folder, views) = (folder.path(), views());

@@ -30,30 +30,3 @@ pub(super) fn write_with(
     let sampled = picture.image.map(|image| share(*image != NO_IMAGE));
     write_picture(path, &picture.color, [&shown, &sampled], &picture.inverse_depth, (channels, values))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::capture::exr::ExrFile;
-
-    #[test]
-    fn a_filled_pixel_is_as_opaque_as_in_a_png_and_is_told_from_a_sampled_one() {
-        let picture = Picture {
-            color: Grid::filled(3, 1, [1.0, 0.0, 0.25]),
-            inverse_depth: Grid::from_vec(3, 1, vec![1.0, -1.0, 0.0]),
-            image: Grid::from_vec(3, 1, vec![0, NO_IMAGE, NO_IMAGE]),
-            fronts: Vec::new(),
-            coverage: Vec::new(),
-        };
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("picture.exr");
-        write_exr(&path, &picture).unwrap();
-        let file = ExrFile::open(&path, "picture").unwrap();
-        let of = |name: &str| {
-            let channel = file.channels().iter().position(|channel| channel.name == name).unwrap();
-            let mut planes = file.decode(&[channel], file.window(None).unwrap()).unwrap();
-            planes.remove(0).into_single()
-        };
-        assert_eq!((of("A"), of("sampled.V")), (vec![1.0, 0.0, 1.0], vec![1.0, 0.0, 0.0]));
-    }
-}

@@ -31,24 +31,3 @@ fn png_of(picture: &Picture) -> RgbaImage {
         Rgba([r, g, b, (255.0 * picture.alpha(pixel) + 0.5) as u8])
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::grid::Grid;
-    use crate::render::vantage::NO_IMAGE;
-
-    #[test]
-    fn holes_are_transparent_until_they_are_filled() {
-        let picture = Picture {
-            color: Grid::filled(3, 1, [1.0, 0.0, 0.25]),
-            inverse_depth: Grid::from_vec(3, 1, vec![1.0, -1.0, 0.0]),
-            image: Grid::from_vec(3, 1, vec![0, NO_IMAGE, NO_IMAGE]),
-            fronts: Vec::new(),
-            coverage: Vec::new(),
-        };
-        let png = png_of(&picture);
-        assert_eq!([0, 1, 2].map(|x| png[(x, 0)].0[3]), [255, 0, 255]);
-        assert_eq!(png[(0, 0)].0, [255, 0, 137, 255]);
-    }
-}
