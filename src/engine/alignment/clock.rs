@@ -11,9 +11,10 @@
 use rayon::prelude::*;
 
 use super::judge::Judgment;
+use super::normal_equations::NormalEquations;
 use super::reference_view::{ReferenceView, still_pixels};
 use super::residuals::PairOfViews;
-use super::solver::{NormalEquations, Problem, TUKEY, loss};
+use super::solver::{Problem, TUKEY, loss};
 use super::surface_samples::{SurfaceSample, surface_samples};
 use super::tangent_plane::SurfaceBend;
 use crate::capture::Capture;

@@ -19,8 +19,9 @@ use rayon::prelude::*;
 
 use super::color_lens::{BrightnessDifference, ColorLens, Matches, Sensing, UNKNOWNS};
 use super::judge::{Judgment, is_of_one_device};
+use super::normal_equations::NormalEquations;
 use super::reference_view::ReferenceView;
-use super::solver::{NormalEquations, Problem, TUKEY, loss};
+use super::solver::{Problem, TUKEY, loss};
 use crate::capture::Intrinsics;
 use crate::capture::sighting::tolerances::NOISY_PIXEL;
 use crate::capture::sighting::{Sighting, compare};

@@ -9,8 +9,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::judge::Judgment;
+use super::normal_equations::NormalEquations;
 use super::reference_view::ReferenceView;
-use super::solver::{NormalEquations, PairWeighing, Problem, Weighing, loss};
+use super::solver::{PairWeighing, Problem, Weighing, loss};
 use super::surface_samples::SurfaceSample;
 use crate::median::{MEDIAN_PER_SIGMA, median};
 

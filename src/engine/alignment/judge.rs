@@ -1,18 +1,10 @@
 //! Whether a correction pays: judged by samples that took no part in finding it.
-//!
-//! Moves no more cameras than samples that judge ask for.
-//!
-//! Purpose: where one camera is wrong, all poses that are solved for drift a little along what surfaces hardly tell, most of all nearer
-//! to or farther from what the rig looks at. Source: none; forward selection by size.
 
 use glam::{DAffine3, DQuat};
 use rayon::prelude::*;
 
 use super::color_lens::UNKNOWNS;
-use super::poses::STAGES;
-use super::solver::{PairWeighing, Problem, SolverStage, Weighing, loss};
-use crate::error::Result;
-use crate::job::Job;
+use super::solver::{PairWeighing, Problem, Weighing, loss};
 
 /// The loss of samples that took no part, without and with a correction.
 #[derive(Clone, Copy, Debug, Default)]
@@ -158,49 +150,6 @@ impl Problem {
         }
         let samples: usize = self.samples.iter().map(|samples| samples.len().div_ceil(8)).sum();
         (terms as f64 / samples.max(1) as f64).max(1.0)
-    }
-}
-
-/// Cameras are let go that moved by at least this share of the farthest, one share after the other.
-const SHARES: [f64; 3] = [0.5, 0.25, 0.12];
-/// Cameras that are let go start close to where they belong.
-const FINEST: SolverStage = STAGES[STAGES.len() - 1];
-
-impl Problem {
-    /// Puts those cameras back that need not move, and lets the others find their places between them. `weighing` is that of all poses as
-    /// they are now; that of the remaining moves is returned.
-    ///
-    /// # Errors
-    /// `Cancelled`.
-    pub(super) fn move_fewest(
-        &mut self,
-        weighing: &Weighing,
-        claimed: &[DAffine3],
-        job: &Job,
-    ) -> Result<Weighing> {
-        let (found, may_move, moved) = (self.poses(), self.is_free.clone(), self.moved.clone());
-        let offs: Vec<f64> = (0..found.len())
-            .map(|camera| self.displacement(camera, &found[camera], &claimed[camera]))
-            .collect();
-        let most = offs.iter().copied().fold(0.0, f64::max);
-        for share in SHARES {
-            let goes = |camera: usize| may_move[camera] && offs[camera] >= share * most;
-            if (0..found.len()).all(|camera| goes(camera) || !may_move[camera]) {
-                break;
-            }
-            self.put_back(claimed, |camera| !goes(camera));
-            self.is_free = (0..found.len()).map(goes).collect();
-            self.iterate(&FINEST, job)?;
-            let beside_all = PoseJudgment::new(self, weighing, &found, |_| true);
-            if !beside_all.reversed().may_pay() {
-                return Ok(self.finest_weighing());
-            }
-            for (view, pose) in self.views.iter_mut().zip(&found) {
-                view.camera.world_from_camera = *pose;
-            }
-            (self.is_free, self.moved) = (may_move.clone(), moved.clone());
-        }
-        Ok(self.finest_weighing())
     }
 }
 

@@ -19,25 +19,31 @@ mod clock;
 mod color_lens;
 mod color_lens_search;
 mod exposure;
+mod fewest_moves;
 mod grouped;
 mod judge;
+mod normal_equations;
+mod pair_medians;
 mod poses;
 mod reference_view;
+mod regions;
 mod registered_frames;
 mod report;
 mod residuals;
 mod solver;
+mod surface_extent;
 mod surface_samples;
 mod tangent_plane;
 mod together;
+mod view_alignment;
 
 pub use capture_correction::{CameraCorrection, CameraCorrections, CaptureCorrection};
-pub use reference_view::align_view;
+pub(crate) use normal_equations::eigen;
 pub use report::{
     AlignedCamera, AlignedClock, AlignedExposure, AlignedLens, AlignedPair, AlignedPose, Alignment,
 };
-pub(crate) use solver::eigen;
 pub use together::Aligned;
+pub use view_alignment::align_view;
 
 use crate::capture::{Capture, conventions, in_perspective};
 use crate::error::Result;

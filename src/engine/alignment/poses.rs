@@ -4,9 +4,11 @@ use glam::{DAffine3, DQuat, DVec3};
 use rayon::prelude::*;
 
 use super::judge::{Judgment, PoseJudgment, is_of_a_rig};
+use super::normal_equations::eigen;
 use super::reference_view::LEVELS;
-use super::residuals::{GAIN, RegionShares, UNKNOWNS};
-use super::solver::{Problem, SolverStage, Weighing, eigen, make_rigid, moved};
+use super::regions::RegionShares;
+use super::residuals::{GAIN, UNKNOWNS};
+use super::solver::{Problem, SolverStage, Weighing, make_rigid, moved};
 use super::surface_samples::has_noisy_depth;
 use crate::capture::{Camera, Capture};
 use crate::error::Result;

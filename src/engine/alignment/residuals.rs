@@ -5,24 +5,12 @@
 //! 3D Reconstruction with Consumer Depth Cameras*, SIGGRAPH 2014). What differs: the plane belongs to the carried sample and is
 //! fitted once; the point is the other camera's own, unfitted measurement where the sample falls. Distances count in footprints,
 //! times the ratio of inverse depths, so that the noise of triangulation is the same everywhere.
-//!
-//! Regions of space: what several cameras see of one region is off for one reason.
-//!
-//! Purpose: neighboring samples are not independent, and neither are those of several cameras at one place: their textures and edges
-//! are the same. Standard errors are those of regions, whatever is correlated within each. Source: K.-Y. Liang and S. L. Zeger,
-//! *Longitudinal Data Analysis Using Generalized Linear Models*, Biometrika 1986.
-
-use std::collections::{BTreeMap, HashMap};
 
 use glam::{DAffine3, DVec2, DVec3};
-use rayon::prelude::*;
 
-use super::poses::WIDE_LOOK;
 use super::reference_view::ReferenceView;
-use super::solver::{Factor, Problem, Weighing, robust_weight};
 use super::surface_samples::SurfaceSample;
-use crate::capture::{Camera, Intrinsics};
-use crate::median::median;
+use crate::capture::Intrinsics;
 
 /// Unknowns of one camera: rotation and translation in camera space, and the logarithm of its gain.
 pub(crate) const UNKNOWNS: usize = 7;
@@ -181,95 +169,5 @@ impl<'a> PairOfViews<'a> {
         let translation = translation / (self.scale.focal * self.scale.inverse_depth);
         unknowns[..3].copy_from_slice(&rotation.to_array());
         unknowns[3..6].copy_from_slice(&translation.to_array());
-    }
-}
-
-impl Problem {
-    /// The median distance (footprints) and difference of brightness of each pair. The gate is wider than the solver's, in which all
-    /// pairs that are far apart would look the same. A pair without a sample in sight has the gate as its distance, and 0 as its
-    /// difference of brightness.
-    pub(super) fn pair_medians(&self) -> Vec<[f64; 2]> {
-        let of_pair = |pair: &[usize; 2]| {
-            let [mut distances, mut brightness] = self.magnitudes(*pair, &WIDE_LOOK, 1);
-            [median(&mut distances).unwrap_or(WIDE_LOOK.gate), median(&mut brightness).unwrap_or_default()]
-        };
-        self.pairs.par_iter().map(of_pair).collect()
-    }
-
-    /// The same with the cameras that the capture claims, and without gains.
-    pub(super) fn pair_medians_as_claimed(&mut self, claimed: &[Camera]) -> Vec<[f64; 2]> {
-        let mut cameras = claimed.to_vec();
-        let mut gains = vec![0.0; claimed.len()];
-        self.swap(&mut cameras, &mut gains);
-        let medians = self.pair_medians();
-        self.swap(&mut cameras, &mut gains);
-        medians
-    }
-
-    fn swap(&mut self, cameras: &mut [Camera], gains: &mut Vec<f64>) {
-        for (view, camera) in self.views.iter_mut().zip(cameras) {
-            std::mem::swap(&mut view.camera, camera);
-        }
-        std::mem::swap(&mut self.log_gains, gains);
-    }
-}
-
-/// Side of a region, in typical depths.
-const SIDE: f64 = 0.1;
-
-/// Sets the region of each sample, and returns how many there are.
-pub(super) fn set_regions(
-    views: &[ReferenceView],
-    samples: &mut [Vec<SurfaceSample>],
-    inverse_depth: f64,
-) -> usize {
-    let mut numbers: HashMap<[i64; 3], usize> = HashMap::new();
-    for (view, samples) in views.iter().zip(samples) {
-        for sample in samples {
-            let point = view.camera.unproject(sample.pixel, 1.0 / sample.inverse_depth);
-            let cell = (point * inverse_depth / SIDE).to_array().map(|along| along.floor() as i64);
-            let next = numbers.len();
-            sample.region = *numbers.entry(cell).or_insert(next);
-        }
-    }
-    numbers.len()
-}
-
-/// What each region asks of the unknowns of the cameras that see it: its share of the right side of the normal equations.
-pub(super) struct RegionShares(Vec<BTreeMap<usize, [f64; UNKNOWNS]>>);
-
-impl RegionShares {
-    pub(super) fn new(problem: &Problem, weighing: &Weighing) -> Self {
-        let mut shares = vec![BTreeMap::<usize, [f64; UNKNOWNS]>::new(); problem.regions];
-        for (pair, weighed) in problem.pairs.iter().zip(&weighing.pairs) {
-            let views = problem.pair(*pair);
-            for sample in problem.samples[pair[0]].iter().filter(|sample| !sample.judges) {
-                let Some(terms) = views.terms(sample, weighing.level, weighed.gate) else { continue };
-                for (term, sigma) in [terms.distance, terms.color].into_iter().zip(weighed.sigmas) {
-                    let Some(Term { residual, source, target }) = term else { continue };
-                    let pull = -robust_weight(residual, sigma) * residual;
-                    for (camera, by_unknown) in pair.iter().zip([source, target]) {
-                        let share = shares[sample.region].entry(*camera).or_default();
-                        share.iter_mut().zip(by_unknown).for_each(|(sum, slope)| *sum += pull * slope);
-                    }
-                }
-            }
-        }
-        Self(shares)
-    }
-
-    /// Standard errors of the unknowns of a camera's pose: how differently single regions would have it.
-    pub(super) fn pose_errors(&self, factor: &Factor, camera: usize) -> [f64; GAIN] {
-        let columns: [Vec<f64>; GAIN] =
-            std::array::from_fn(|unknown| factor.inverse_column(camera * UNKNOWNS + unknown));
-        columns.map(|column| {
-            let asked = |share: &BTreeMap<usize, [f64; UNKNOWNS]>| -> f64 {
-                let of_camera = |(camera, share): (&usize, &[f64; UNKNOWNS])| -> f64 {
-                    column[camera * UNKNOWNS..].iter().zip(share).map(|(a, b)| a * b).sum()
-                };
-                share.iter().map(of_camera).sum()
-            };
-            self.0.iter().map(|share| asked(share).powi(2)).sum::<f64>().sqrt()
-        })
     }
 }

@@ -7,7 +7,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::solver::NormalEquations;
+use super::normal_equations::NormalEquations;
 use crate::capture::Intrinsics;
 use crate::grid::Grid;
 

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use serde::Serialize;
 
 use super::chunks::{BEST, ImageHeader, Packed, gzipped};
-use super::{PageOptions, PageScalarBar};
+use super::options::{PageOptions, PageScalarBar};
 use crate::capture::{Intrinsics, pivot};
 use crate::color::srgb8_from_linear;
 use crate::error::Result;

@@ -7,9 +7,9 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use overlook_page::{MODULES, STYLE, TEMPLATE};
 
-use super::PageOptions;
 use super::chunks::Packed;
 use super::header::Header;
+use super::options::PageOptions;
 use crate::error::{Error, Result};
 
 /// The whole page; `name` is that of the capture.

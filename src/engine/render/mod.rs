@@ -28,6 +28,8 @@ mod geometry;
 mod input;
 mod magnified;
 mod orthographic;
+mod painter;
+mod recorded_rates;
 mod renderer;
 mod resolve;
 mod splat;
@@ -41,10 +43,11 @@ pub use cpu::CpuRenderer;
 pub(crate) use environment::sky_map;
 pub use equirectangular::{FACE_COUNT, Projection, equirectangular, faces_around};
 pub use orthographic::OrthographicView;
+pub use painter::Painter;
 pub use renderer::{Renderer, WindowPicture};
 pub use stage_times::StageTimes;
 pub use value_colors::{MISSING_COLOR, ValueColors, colored_samples};
-pub use vantage::{MAX_PIXELS, NO_IMAGE, Painter, Picture, RenderStats, Vantage};
+pub use vantage::{MAX_PIXELS, NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]
 mod tests {

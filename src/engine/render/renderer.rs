@@ -4,15 +4,17 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::coarser_samples::{CoarserSamples, RecordedRates};
+use super::coarser_samples::CoarserSamples;
 use super::cpu::CpuRenderer;
 use super::gpu::{AdapterChoice, GpuOptions, GpuRenderer, HolePattern, ScreenTexture, SharedDevice};
 use super::magnified::{COARSEST, by_levels, coarsest_level};
 use super::orthographic::OrthographicView;
+use super::painter::Painter;
+use super::recorded_rates::RecordedRates;
 use super::supersample::{
     EDGE_FACTOR, averaged, finer, supersamples_edges, supersampling_factor, with_averaged_edges,
 };
-use super::vantage::{Painter, Picture, RenderStats, Vantage};
+use super::vantage::{Picture, RenderStats, Vantage};
 use crate::capture::any_orthographic;
 use crate::error::{Error, Result};
 use crate::job::Job;

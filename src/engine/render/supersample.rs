@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::coarser_samples::RecordedRates;
+use super::recorded_rates::RecordedRates;
 use super::vantage::{NO_IMAGE, Picture, Vantage};
 use crate::capture::{Camera, Intrinsics};
 use crate::grid::Grid;

@@ -12,7 +12,7 @@ use half::f16;
 
 use super::depth_plane::{DepthPlane, TILE_SAMPLES};
 use super::sample_set::SampleImage;
-use super::{SampleTile, TILE, TileMask};
+use super::tile::{SampleTile, TILE, TileMask};
 use crate::capture::{Camera, Intrinsics, Values};
 
 /// Columns and rows of the four tiles that one coarser tile is made of.

@@ -12,7 +12,7 @@
 //!        first_high: where its bytes of `high` begin; the tile is wide where nearest − farthest ≥ 2²⁴
 //! ```
 
-use super::{SampleTile, TILE};
+use super::tile::{SampleTile, TILE};
 
 /// Samples a tile has at most.
 pub const TILE_SAMPLES: usize = TILE * TILE;

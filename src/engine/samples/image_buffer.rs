@@ -16,7 +16,7 @@ use super::depth_plane::{DepthPlane, DepthTile};
 use super::oct_normal::OctNormal;
 use super::sample_set::{SampleImage, Span};
 use super::spill_file::{Record, RecordPlace, SpillFile};
-use super::{SampleTile, TileMask};
+use super::tile::{SampleTile, TileMask};
 use crate::capture::Values;
 use crate::error::Result;
 
@@ -225,7 +225,7 @@ impl ImageBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::TILE;
+    use crate::samples::tile::TILE;
 
     fn image(camera: u32, start: u32, normals: bool) -> SampleImage {
         let tile = |nth: u32| SampleTile {

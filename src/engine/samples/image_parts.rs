@@ -5,7 +5,7 @@ use half::f16;
 use super::depth_plane::DepthPlane;
 use super::oct_normal::OctNormal;
 use super::sample_set::{SampleImage, Span};
-use super::{Sample, SampleTile, TILE, TileMask};
+use super::tile::{Sample, SampleTile, TILE, TileMask};
 
 /// An image that is put together sample by sample, in the order in which it stores them.
 struct GrowingImage {

@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Sample;
 use super::sample_set::SampleImage;
+use super::tile::Sample;
 use crate::capture::Camera;
 
 /// World units from the origin up to which single precision holds a tenth of a thousandth of a unit.

@@ -16,7 +16,7 @@ use half::f16;
 
 use super::depth_plane::DepthPlane;
 use super::oct_normal::OctNormal;
-use super::{Sample, SampleTile, TILE, TileMask};
+use super::tile::{Sample, SampleTile, TILE, TileMask};
 use crate::capture::{Camera, ValueChannel, Values};
 use crate::settings::{PruningMethod, Settings};
 

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::gaussian::{Gaussian, Look};
 use super::normals::normals;
+use super::options::{SplatAmount, SplatSky};
 use super::space::Space;
-use super::{SplatAmount, SplatSky};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -330,6 +330,7 @@ mod tests {
     use crate::demo::{Demo, DemoSpec};
     use crate::preprocess::preprocess;
     use crate::settings::Settings;
+    use crate::splats::SplatSky;
 
     #[test]
     fn splats_lie_at_the_samples_of_the_frame_and_fewer_are_had_where_fewer_are_asked_for() {

@@ -8,9 +8,9 @@ use std::io::Write;
 use glam::Vec3;
 use serde_json::{Value, json};
 
-use super::Timing;
 use super::field::{Field, SpanSplats};
 use super::gaussian::{Gaussian, coefficients};
+use super::timing::Timing;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::samples::Span;

@@ -12,9 +12,11 @@ mod field;
 mod gaussian;
 mod glb;
 mod normals;
+mod options;
 mod ply;
 mod space;
 mod spz;
+mod timing;
 mod usda;
 
 use std::io::{BufWriter, Write};
@@ -22,12 +24,15 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::samples::{SampleSet, Span};
-use crate::settings::choice::choice;
+use crate::samples::SampleSet;
 use crate::whole_file;
+
 use field::Field;
-pub use field::{SplatArrays, arrays};
 use space::Space;
+use timing::Timing;
+
+pub use field::{SplatArrays, arrays};
+pub use options::{SplatAmount, SplatFormat, SplatOptions, SplatSky};
 
 /// What was written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,88 +125,6 @@ fn write_field(
     Ok(summary)
 }
 
-choice! {
-    /// A file format of Gaussian splats.
-    pub enum SplatFormat {
-        /// One frame as PLY, as the authors of Gaussian splatting write it: nearly every program reads it, 68 bytes a splat.
-        Ply = "ply",
-        /// One frame as SPZ, version 3: some 10 to 15 bytes a splat.
-        Spz = "spz",
-        /// The whole scene as glTF with its extension for splats: a node for each span of frames, shown by an animation.
-        Glb = "glb",
-        /// The whole scene as USD, a particle field for each span of frames, shown by its visibility.
-        Usda = "usda",
-    }
-}
-
-choice! {
-    /// What becomes of samples at infinity.
-    pub enum SplatSky {
-        /// They are left out: no format has a place for them.
-        Out = "out",
-        /// Their colors, continued into all directions, become a far dome around the scene.
-        Dome = "dome",
-    }
-}
-
-impl SplatFormat {
-    /// Whether a file holds the whole scene in time; of the others each holds one frame.
-    #[must_use]
-    pub fn holds_time(self) -> bool {
-        matches!(self, Self::Glb | Self::Usda)
-    }
-}
-
-/// How many splats there are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SplatAmount {
-    /// Most splats, the dome's included; samples are merged where that loses least until they fit.
-    pub at_most: Option<u64>,
-    /// What becomes of samples at infinity.
-    pub sky: SplatSky,
-}
-
-/// How splats are written.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SplatOptions {
-    /// The format.
-    pub format: SplatFormat,
-    /// How many splats a file has.
-    pub amount: SplatAmount,
-    /// Frames a second, where the format holds time; above 0.
-    pub frames_per_second: f64,
-}
-
-/// The frames of a scene in time.
-#[derive(Clone, Copy, Debug)]
-struct Timing {
-    /// How many there are.
-    frames: usize,
-    /// Above 0.
-    frames_per_second: f64,
-}
-
-impl Timing {
-    /// Frames at which a span appears or goes, or the scene begins or ends, each with whether the span is seen from there on.
-    fn changes(self, span: Span) -> Vec<(u32, bool)> {
-        let last = self.frames as u32;
-        let mut frames = vec![0, span.start, span.end, last];
-        frames.dedup();
-        let is_seen = |frame: u32| frame >= span.start && (frame < span.end || span.end == last);
-        frames.into_iter().map(|frame| (frame, is_seen(frame))).collect()
-    }
-
-    /// Whether a span is that of all frames.
-    fn is_always(self, span: Span) -> bool {
-        span.len() == self.frames
-    }
-
-    /// Seconds from the first frame to one.
-    fn seconds(self, frame: u32) -> f32 {
-        (f64::from(frame) / self.frames_per_second) as f32
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -258,16 +181,5 @@ mod tests {
             let said = said.unwrap_err().to_string();
             assert!(said.contains("more than the 9") && said.contains("allow more"), "{said}");
         }
-    }
-
-    #[test]
-    fn a_span_is_seen_from_its_first_frame_until_the_one_after_its_last() {
-        let timing = Timing { frames: 8, frames_per_second: 4.0 };
-        let changes = |start: u32, end: u32| timing.changes(Span { start, end });
-        assert_eq!(changes(0, 4), [(0, true), (4, false), (8, false)]);
-        assert_eq!(changes(3, 5), [(0, false), (3, true), (5, false), (8, false)]);
-        assert_eq!(changes(4, 8), [(0, false), (4, true), (8, true)]);
-        assert!(timing.is_always(Span { start: 0, end: 8 }) && !timing.is_always(Span { start: 0, end: 4 }));
-        assert_eq!(timing.seconds(6), 1.5);
     }
 }

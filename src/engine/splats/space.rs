@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
-use super::SplatFormat;
+use super::options::SplatFormat;
 use crate::samples::{SampleSet, are_far_from_origin};
 
 /// Which way the axes of a format point.

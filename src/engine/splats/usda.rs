@@ -5,9 +5,9 @@
 use std::fmt::Display;
 use std::io::{self, Write};
 
-use super::Timing;
 use super::field::{Field, SpanSplats};
 use super::gaussian::{Gaussian, coefficients};
+use super::timing::Timing;
 use crate::error::{Error, Result};
 use crate::job::Job;
 

@@ -3,7 +3,8 @@
 use image::RgbaImage;
 
 use super::axis::Scale;
-use super::svg::{Anchor, FAINT, INK, PAPER, Print, Svg, hex, text_width};
+use super::svg::{Anchor, FAINT, INK, PAPER, Print, Svg, hex};
+use super::type_metrics::text_width;
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::ValueColors;

@@ -11,9 +11,9 @@ use image::{ImageFormat, RgbaImage};
 use super::axis::short;
 use super::color_bar::{BarLook, ColorBar};
 use super::svg::{
-    Anchor, Chart, DARK_FAINT, DARK_INK, DARK_PAPER, FAINT, INK, ON_PLATE, PAPER, Print, Svg, hex, lines,
-    text_width,
+    Anchor, Chart, DARK_FAINT, DARK_INK, DARK_PAPER, FAINT, INK, ON_PLATE, PAPER, Print, Svg, hex,
 };
+use super::type_metrics::{lines, text_width};
 use overlook_engine::error::{Error, Result};
 
 /// A typographic point, inches.

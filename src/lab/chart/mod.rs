@@ -17,6 +17,7 @@ mod side_names;
 mod stress;
 mod svg;
 mod together;
+mod type_metrics;
 mod views;
 
 pub use axis::{ChartSeries, Marker, Scale, series};

@@ -3,7 +3,8 @@
 use image::RgbaImage;
 
 use super::color_bar::{Strip, strip_look};
-use super::svg::{Anchor, Svg, text_width};
+use super::svg::{Anchor, Svg};
+use super::type_metrics::text_width;
 use overlook_engine::error::Result;
 use overlook_engine::render::Picture;
 use overlook_engine::render::output::with_below;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::CaptureResults;
-use super::page::{embedded, figure, table};
+use super::markup::{embedded, figure, table};
+use super::results::CaptureResults;
 use super::together::{Overall, reference};
 use crate::chart;
 use crate::metrics::ClassScore;

@@ -3,7 +3,7 @@
 //! Captures differ far more than settings do. So a setting is compared with the default of the same capture, and what is averaged over
 //! captures is that difference; the captures are the draws, and their number less one the degrees of freedom.
 
-use super::CaptureResults;
+use super::results::CaptureResults;
 use crate::sweep::{Point, Series};
 use crate::trial::{MeanEstimate, PairedDifference};
 

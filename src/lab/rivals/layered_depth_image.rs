@@ -10,8 +10,8 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
+use super::model::{RecordedView, RivalModel, deflated};
 use super::splat::Splatter;
-use super::{RecordedView, RivalModel, deflated};
 use overlook_engine::capture::{Camera, Intrinsics, Projection};
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
 use overlook_engine::render::Picture;

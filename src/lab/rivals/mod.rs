@@ -8,19 +8,18 @@
 //! they were recorded, with nothing pruned. Holes stay open, so that the caller fills those of all methods alike.
 
 mod layered_depth_image;
+mod model;
+mod sky;
 mod splat;
 mod triangle_mesh;
 mod tsdf;
 
-use std::sync::Arc;
+pub use model::{RecordedView, RivalModel};
 
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use overlook_engine::capture::{Camera, Frame, in_perspective};
+use overlook_engine::capture::in_perspective;
 use overlook_engine::error::{Error, Result};
-use overlook_engine::median::median_by;
-use overlook_engine::render::Picture;
 
 /// A method of others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -106,90 +105,14 @@ impl std::fmt::Display for Rival {
     }
 }
 
-/// A camera and what it saw at a frame.
-#[derive(Clone, Debug)]
-pub struct RecordedView {
-    /// Where from.
-    pub camera: Camera,
-    /// What it saw.
-    pub frame: Arc<Frame>,
-}
-
-/// What a method keeps of one frame.
-pub trait RivalModel: Send + Sync {
-    /// The picture at a viewpoint. [`Picture::image`] is [`NO_IMAGE`](overlook_engine::render::NO_IMAGE) in holes and 0 elsewhere.
-    fn render(&self, target: &Camera) -> Picture;
-
-    /// Bytes of the model as a file, with values rounded to 8 bits (depth to 24) and deflated; `None` if the method keeps all recorded
-    /// pictures.
-    fn bytes(&self) -> Option<u64>;
-}
-
-/// Middle of the finite depths of all views, and the mean width of a pixel there; `None` where no view has any.
-fn median_footprint(views: &[RecordedView]) -> Option<(f64, f64)> {
-    let mut footprints: Vec<(f64, f64)> = Vec::new();
-    for view in views {
-        let k = view.camera.intrinsics;
-        let depths = view.frame.inverse_depth.as_slice().iter().filter(|inverse_depth| **inverse_depth > 0.0);
-        footprints.extend(depths.map(|inverse_depth| {
-            let depth = 1.0 / f64::from(*inverse_depth);
-            (depth, depth / (k.fx * k.fy).sqrt())
-        }));
-    }
-    median_by(&mut footprints, |a, b| a.0.total_cmp(&b.0))
-}
-
-/// Length of bytes after DEFLATE (RFC 1951).
-fn deflated(bytes: &[u8]) -> u64 {
-    let mut compressor = libdeflater::Compressor::new(libdeflater::CompressionLvl::default());
-    let mut room = vec![0; compressor.deflate_compress_bound(bytes.len())];
-    compressor.deflate_compress(bytes, &mut room).unwrap_or(bytes.len()) as u64
-}
-
-/// The cameras in the order of their distance from a viewpoint.
-struct Sky<'a> {
-    views: Vec<&'a RecordedView>,
-}
-
-impl<'a> Sky<'a> {
-    fn seen_from(views: &'a [RecordedView], target: &Camera) -> Self {
-        Self { views: by_distance(views, target) }
-    }
-
-    /// Linear color of the sky in a direction in the world, by the nearest camera that saw it there.
-    fn color(&self, direction: DVec3) -> Option<[f32; 3]> {
-        self.views.iter().find_map(|view| {
-            let in_camera = view.camera.camera_from_world().transform_vector3(direction);
-            let at = view.camera.intrinsics.project(in_camera)?;
-            if at.x < 0.0 || at.y < 0.0 {
-                return None;
-            }
-            let (x, y) = (at.x as usize, at.y as usize);
-            let is_sky = *view.frame.inverse_depth.get(x, y)? == 0.0;
-            is_sky.then(|| view.frame.color[(x, y)].map(half::f16::to_f32))
-        })
-    }
-}
-
-/// Views by the distance of their cameras from a viewpoint, those that look the other way last; of equals the first first.
-fn by_distance<'a>(views: &'a [RecordedView], target: &Camera) -> Vec<&'a RecordedView> {
-    let mut views: Vec<&RecordedView> = views.iter().collect();
-    let key = |view: &&RecordedView| {
-        let looks_away = view.camera.forward_in_world().dot(target.forward_in_world()) <= 0.0;
-        let distance = view.camera.position_in_world().distance(target.position_in_world());
-        (looks_away, distance)
-    };
-    views.sort_by(|a, b| {
-        let (a, b) = (key(a), key(b));
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-    });
-    views
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec3;
+
     use super::*;
-    use overlook_engine::capture::{Intrinsics, Projection, Values};
+    use overlook_engine::capture::{Camera, Frame, Intrinsics, Projection, Values};
     use overlook_engine::grid::Grid;
 
     /// A camera at `x` that looks along +z, at a slope of gray stripes that is 3 away in the middle.

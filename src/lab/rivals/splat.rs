@@ -12,7 +12,8 @@
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-use super::{RecordedView, RivalModel, by_distance};
+use super::model::{RecordedView, RivalModel};
+use super::sky::by_distance;
 use overlook_engine::capture::Camera;
 use overlook_engine::grid::Grid;
 use overlook_engine::render::{NO_IMAGE, Picture};

@@ -12,7 +12,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{RecordedView, RivalModel};
+use super::model::{RecordedView, RivalModel};
 use overlook_engine::capture::Camera;
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
 use overlook_engine::grid::Grid;

@@ -16,7 +16,8 @@ use std::hash::{BuildHasherDefault, Hasher};
 use glam::{DVec2, DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::{RecordedView, RivalModel, Sky, deflated, median_footprint};
+use super::model::{RecordedView, RivalModel, deflated, median_footprint};
+use super::sky::Sky;
 use overlook_engine::capture::Camera;
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
 use overlook_engine::error::{Error, Result};

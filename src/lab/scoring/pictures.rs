@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use super::scoreboard::{Scoreboard, vantage_order, with_truth};
 use super::view::{PaintedView, ViewCost, ViewScore, scored};
-use super::{Scoreboard, vantage_order, with_truth};
 use crate::metrics::{ClassMap, ErrorByClass, Scores};
 use overlook_engine::capture::transforms::{MatchedBy, OtherPictures};
 use overlook_engine::capture::{Frame, TruthView};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::measure::Disturbed;
-use super::{StressPlan, StressPoint};
+use super::plan::{StressPlan, StressPoint};
 use crate::trial::{ShownView, Trial, ViewAccuracy};
 use crate::truth::Truth;
 use overlook_engine::capture::Capture;

@@ -1,6 +1,6 @@
 //! Every disturbance of a plan at every value of its dial, measured with every method.
 
-use super::{Method, StressPlan, StressPoint, StressStep};
+use super::plan::{Method, StressPlan, StressPoint, StressStep};
 use crate::scoring::nothing_to_compare;
 use crate::sweep::{self, Point, Series};
 use crate::trial::{Measured, TimeLeft, Trial, Workbench, coarse_to_fine};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::paired::MeanEstimate;
-use super::{TrialResult, scores_by_vantage};
+use super::trial_result::{TrialResult, scores_by_vantage};
 use crate::metrics::ClassErrors;
 use crate::rivals::Rival;
 use crate::scoring::{Scoreboard, ViewCost, frame_of, scored};

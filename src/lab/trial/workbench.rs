@@ -12,8 +12,11 @@ use std::collections::BTreeSet;
 use std::collections::hash_map::{Entry, HashMap};
 use std::sync::Arc;
 
+use super::baselines;
 use super::paired::MeanEstimate;
-use super::{ModelKey, Thinning, Trial, TrialResult, baselines, rival_trial, scores_by_vantage};
+use super::rival_trial;
+use super::trial_result::{TrialResult, scores_by_vantage};
+use super::trial_setting::{ModelKey, Thinning, Trial};
 use crate::metrics::{ClassErrors, ClassMap};
 use crate::rivals::Rival;
 use crate::scoring::{Evaluation, Scoreboard, render_view};

@@ -16,7 +16,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::error_classes::class_map;
-
+use super::hold_out;
 use crate::metrics::ClassMap;
 use crate::rivals::RecordedView;
 use crate::scoring::{nothing_to_compare, unknown_truth_warning, vantage_order, with_truth};
@@ -106,7 +106,7 @@ impl Truth {
             Self::HoldOut => {
                 let names = recorded.all_cameras.cameras.iter().map(|camera| camera.name.clone());
                 let split = |name: String| {
-                    let (_, views) = crate::truth::split(&recorded.all_cameras, std::slice::from_ref(&name))?;
+                    let (_, views) = hold_out::split(&recorded.all_cameras, std::slice::from_ref(&name))?;
                     Ok((Some(name), views))
                 };
                 names.map(split).collect::<Result<Vec<_>>>()?

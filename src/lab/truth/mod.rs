@@ -2,63 +2,18 @@
 
 mod error_classes;
 mod folds;
+mod hold_out;
 mod view_corrections;
-
-use std::sync::Arc;
 
 pub(crate) use error_classes::is_surface_at;
 pub use error_classes::{class_map, class_maps, seen_at};
 pub(crate) use folds::masked_one_by_one;
 pub use folds::{Fold, Recorded, Truth, TruthEdit};
-use overlook_engine::capture::transforms::picture_name;
+pub(crate) use hold_out::evenly_spaced;
+pub use hold_out::split;
 use overlook_engine::capture::{Capture, TruthView, with_reindexed_frames};
 use overlook_engine::error::{Error, Result};
 pub use view_corrections::{CorrectedViews, ViewCorrections, views_as_taken};
-
-/// Most frames of a held-out camera that are scored, evenly spaced over the capture.
-const MAX_FRAMES: usize = 5;
-
-/// The capture without the named cameras, and views with truth at their poses.
-///
-/// # Errors
-///
-/// `Invalid` if a camera does not exist or none is left.
-pub fn split(capture: &Capture, held_out: &[String]) -> Result<(Capture, Vec<TruthView>)> {
-    let is_held_out = |name: &str| held_out.iter().any(|held_out| held_out == name);
-    if let Some(unknown) =
-        held_out.iter().find(|name| !capture.cameras.iter().any(|camera| camera.name == **name))
-    {
-        let names: Vec<_> = capture.cameras.iter().map(|camera| camera.name.as_str()).collect();
-        return Err(Error::invalid(
-            format!("hold-out '{unknown}'"),
-            format!("there is no such camera; there are {}", names.join(", ")),
-        ));
-    }
-    let rest = capture.with_cameras(|_, camera| !is_held_out(&camera.name));
-    if rest.cameras.is_empty() {
-        return Err(Error::invalid(&capture.name, "every camera is held out; leave at least one"));
-    }
-    let mut views = Vec::new();
-    for (index, camera) in capture.cameras.iter().enumerate() {
-        if !is_held_out(&camera.name) {
-            continue;
-        }
-        for frame in evenly_spaced(capture.frame_count(), MAX_FRAMES) {
-            let truth = capture.clone();
-            let number = capture.frame_numbers[frame];
-            let load = Arc::new(move || truth.frame(index, frame).map(|frame| (*frame).clone()));
-            let view = TruthView::new(picture_name(camera, number), camera.clone(), number, Some(load));
-            views.push(TruthView { picture: capture.picture_stem(index, frame), ..view });
-        }
-    }
-    Ok((rest, views))
-}
-
-/// At most `count` of `total` indices, evenly spaced, the first among them.
-pub(crate) fn evenly_spaced(total: usize, count: usize) -> impl Iterator<Item = usize> {
-    let count = count.min(total);
-    (0..count).map(move |step| step * total / count)
-}
 
 /// Bytes of frames kept in a derived capture: little, the original keeps its own.
 pub(crate) const DERIVED_CACHE_BYTES: usize = 256 << 20;
@@ -131,13 +86,6 @@ mod tests {
     use super::*;
     use overlook_engine::demo::{Demo, DemoSpec};
     use overlook_engine::settings::CaptureSettings;
-
-    #[test]
-    fn few_frames_are_all_scored_and_many_are_spread() {
-        assert_eq!(evenly_spaced(0, MAX_FRAMES).count(), 0);
-        assert_eq!(evenly_spaced(3, MAX_FRAMES).collect::<Vec<_>>(), [0, 1, 2]);
-        assert_eq!(evenly_spaced(60, MAX_FRAMES).collect::<Vec<_>>(), [0, 12, 24, 36, 48]);
-    }
 
     #[test]
     fn frames_with_truth_come_first_and_the_others_fill_the_widest_gaps() {

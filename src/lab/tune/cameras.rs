@@ -7,7 +7,7 @@
 //!
 //! Cameras with the fewest samples are tried first. For two cameras alike that is the one whose samples were pruned in favor of the other.
 
-use super::CameraCost;
+use super::plan::CameraCost;
 use super::search::SettingSearch;
 use crate::metrics::MAX_PSNR_DB;
 use crate::sweep::Point;

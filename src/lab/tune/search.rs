@@ -1,7 +1,7 @@
 //! The search for a setting: variations one by one, then those together that save bytes.
 
 use super::choice::{CandidateSetting, LossRule, Reason, most_accurate};
-use super::{TuneBudget, TunePlan};
+use super::plan::{TuneBudget, TunePlan};
 use crate::sweep::{Point, Series, picture_variations, variations};
 use crate::trial::{TimeLeft, Trial, Workbench};
 use crate::truth::{Recorded, Truth};

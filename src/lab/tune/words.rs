@@ -1,6 +1,6 @@
 //! What was chosen and what was given up, in words.
 
-use super::{TuneBudget, TunePlan, Tuned};
+use super::plan::{TuneBudget, TunePlan, Tuned};
 use crate::sweep::Point;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::Settings;

@@ -12,6 +12,8 @@
 //! anything with one camera, or with cameras that see nothing in common; an error that all of the world shares.
 
 mod agreement;
+mod buffer_planes;
+mod chosen_views;
 mod picture_search;
 mod pictures;
 mod reading;
@@ -29,7 +31,7 @@ use super::camera::any_orthographic;
 use super::parts::Capture;
 use crate::error::Result;
 use agreement::Comparison;
-use views::ComparedViews;
+use chosen_views::ComparedViews;
 
 /// Checks how a capture's poses and depth are read, by the agreement between its views at one instant, in the middle of the recording.
 ///

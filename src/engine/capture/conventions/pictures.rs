@@ -10,9 +10,10 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::agreement::Comparison;
+use super::chosen_views::ComparedViews;
 use super::reading::{PixelRay, Reading};
 use super::search::WIDE;
-use super::views::{ComparedView, ComparedViews, POINTS};
+use super::views::{ComparedView, POINTS};
 use crate::capture::camera::Intrinsics;
 use crate::capture::frame::Frame;
 use crate::capture::parts::Capture;

@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use super::agreement::Comparison;
-use super::reading::{Reading, any_planes, hardly_differ, may_be_buffer, planes_near, round_planes};
+use super::buffer_planes::{any_planes, hardly_differ, may_be_buffer, planes_near, round_planes};
+use super::reading::Reading;
 use super::views::POINTS;
 use crate::capture::depth_claim::{DepthMeasure, DepthPlanes};
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};

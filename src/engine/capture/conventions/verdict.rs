@@ -5,7 +5,8 @@ use std::fmt::Write;
 use serde::{Deserialize, Serialize};
 
 use super::agreement::Comparison;
-use super::reading::{LensReading, Reading, may_be_buffer};
+use super::buffer_planes::may_be_buffer;
+use super::reading::{LensReading, Reading};
 use super::search::{NOT_CHANCE, Scored, UNITS, three_digits};
 
 /// A reading that agrees this many times as well refutes the claimed one, and differs surely from others.

@@ -10,9 +10,10 @@ use std::path::Path;
 
 use image::DynamicImage;
 
+use super::format::{PictureFormat, format_of};
 use super::raster::{decode_any, size};
 use super::tiff_samples::TiffSamples;
-use super::{PictureFormat, colmap_map, format_of, npy, pfm, pgm};
+use super::{colmap_map, npy, pfm, pgm};
 use crate::capture::frame::INVALID_INVERSE_DEPTH;
 use crate::error::{Error, Result};
 use crate::whole_file;

@@ -8,9 +8,9 @@ use image::metadata::Orientation;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
 use super::color_tags::ColorTag;
+use super::format::{PictureFormat, format_of};
 use super::tiff_samples::{self, TiffSamples};
 use super::turned::{self, PictureRows, rows_by_size, shown_size, turn, turned};
-use super::{PictureFormat, format_of};
 use crate::capture::camera::{MAX_PIXELS, MAX_SIDE};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result, one_line};

@@ -10,9 +10,9 @@ use super::header_probe::{HeaderFacts, probe};
 use super::left_out::{self, LeftOut, Posed, UNREADABLE};
 use super::manifest::{Keys, Manifest, PictureEntry};
 use super::manifest_file::ManifestOrigin;
+use super::placed_entry::PlacedEntry;
 use super::same_camera::{SimilarNames, is_absolute, refuse_motion};
-use super::source::PlacedEntry;
-use super::{frame_numbers, pose, value_file};
+use super::{frame_numbers, pose, value_places};
 use crate::capture::camera::Camera;
 use crate::capture::parts::Skipped;
 use crate::capture::pictures::RayCache;
@@ -81,7 +81,7 @@ fn picture_files(
     let [confidence, mask] = [resolve(&entry.confidence_file_path), resolve(&entry.mask_path)];
     let mut files = PictureFiles::new(color.clone(), apart(depth), apart(normal), keys, &place)?;
     (files.confidence, files.mask) = (confidence, mask);
-    files.values = value_file::files(entry, keys, &place, |name| named_path(folder, name, &[], similar))?;
+    files.values = value_places::files(entry, keys, &place, |name| named_path(folder, name, &[], similar))?;
     Ok(files)
 }
 

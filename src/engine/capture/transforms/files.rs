@@ -6,7 +6,7 @@ use super::depth_camera::DepthCamera;
 use super::manifest::{Keys, Manifest, NormalSpaceName};
 use super::raw_video::RawVideo;
 use super::same_camera::SimilarNames;
-use super::value_file::ValueFile;
+use super::value_places::ValueFile;
 use super::view_list::ViewList;
 use crate::capture::depth_claim::{DepthClaim, DepthMeasure};
 use crate::capture::exr::{

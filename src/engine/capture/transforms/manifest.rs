@@ -11,7 +11,7 @@ use super::lens::LensKeys;
 use super::manifest_file::{other_file, plain, wrong_value};
 use super::raw_video::RawVideoKeys;
 use super::same_camera::camera_name;
-use super::value_file::ValueKeys;
+use super::value_keys::ValueKeys;
 use crate::capture::pictures::{Distortion, PictureRows};
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 use crate::error::{Error, Result, one_line};

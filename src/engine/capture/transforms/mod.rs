@@ -14,6 +14,7 @@ mod cameras;
 mod colmap_keys;
 mod depth_camera;
 mod depth_file;
+mod depth_presence;
 mod exr_picture;
 mod files;
 mod frame_numbers;
@@ -29,6 +30,7 @@ mod other_pictures;
 mod path;
 mod pictures_by_pose;
 mod pictures_of_views;
+mod placed_entry;
 mod pose;
 mod position_depth;
 mod raw_video;
@@ -36,12 +38,13 @@ mod same_camera;
 mod source;
 mod turned_pictures;
 mod value_file;
+mod value_keys;
+mod value_places;
 mod view_list;
 mod write;
 
 pub(crate) use colmap_keys::keys_of_colmap;
 pub(crate) use depth_camera::DepthCameraKeys;
-use depth_file::refuse_without_depth;
 pub use files::picture_places;
 pub(crate) use files::places_of;
 pub(crate) use left_out::is_recording;
@@ -157,7 +160,7 @@ fn open_manifest(
         },
         settings.memory as usize * 1024 * 1024,
     );
-    refuse_without_depth(&capture, &source)?;
+    depth_presence::refuse_without_depth(&capture, &source)?;
     Ok(capture)
 }
 

@@ -7,7 +7,7 @@ use super::cameras;
 use super::manifest::Manifest;
 use super::manifest_file::{MANIFEST_NAME, ManifestOrigin};
 use super::other_pictures::{MatchedBy, OtherPictures, loader};
-use super::source::PlacedEntry;
+use super::placed_entry::PlacedEntry;
 use super::{frame_numbers, same_camera};
 use crate::capture::camera::Camera;
 use crate::capture::parts::TruthView;

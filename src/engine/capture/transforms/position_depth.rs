@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::cameras::CameraFiles;
 use super::exr_picture::{DecodedPlanes, DepthChannels, ExrPicture};
 use super::files::PictureFiles;
-use super::source::PlacedEntry;
+use super::placed_entry::PlacedEntry;
 use crate::capture::camera::Camera;
 use crate::capture::exr::DepthKind;
 use crate::capture::pictures::{PictureFormat, format_of};

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::cameras::CameraFiles;
 use super::load::{self, NeededPlanes};
-use super::source::PlacedEntry;
+use super::placed_entry::PlacedEntry;
 use crate::capture::camera::Camera;
 use crate::capture::frame::Frame;
 use crate::capture::pictures::{PictureRows, is_open};

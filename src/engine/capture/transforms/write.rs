@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use super::manifest_file::MANIFEST_NAME;
 use super::pose;
-use super::value_file::ValueKeys;
+use super::value_keys::ValueKeys;
 use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::exr::write_frame;
 use crate::capture::frame::Frame;

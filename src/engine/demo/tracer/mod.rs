@@ -4,6 +4,7 @@ mod bvh;
 mod camera_noise;
 mod hits;
 mod shade;
+mod shadow_map;
 mod shapes;
 mod texture;
 mod world;

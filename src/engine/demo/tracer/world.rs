@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::bvh::{Aabb, Bvh};
-use super::shade::ShadowMap;
+use super::shadow_map::ShadowMap;
 use super::shapes::SolidShape;
 use super::texture::Material;
 

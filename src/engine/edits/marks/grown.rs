@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::placed_points::{Origin, points_of};
 use super::point_tree::{Point, PointTree};
-use super::{Origin, points_of};
 use crate::edits::seen::ImageMarks;
 use crate::error::Result;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};

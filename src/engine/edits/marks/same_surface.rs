@@ -7,8 +7,8 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::placed_points::{Origin, points_of};
 use super::point_tree::{Point, PointTree};
-use super::{Origin, points_of};
 use crate::alignment::eigen;
 use crate::edits::seen::ImageMarks;
 use crate::error::Result;

@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::FrameInspection;
-use super::pixel::{CameraEvidence, PairQuantities};
+use super::frame::FrameInspection;
+use super::pixel_report::{CameraEvidence, PairQuantities};
 use crate::capture::Camera;
 use crate::capture::overlap::OverlapGraph;
 use crate::color::steps_from_linear;

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::FrameInspection;
+use super::frame::FrameInspection;
 use crate::capture::overlap::OverlapGraph;
 use crate::color::steps_from_linear;
 use crate::grid::Grid;

@@ -3,8 +3,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::CameraLayer;
 use super::flying_pixels::{BlendedTest, FlyingTest};
+use super::layer::CameraLayer;
 use super::packed_sample::{BLENDED_SKY, MIXED, PackedColor, PackedGeometry, Rank, UNKNOWN_NORMAL};
 use super::sampling_rate::{Rate, ViewingRays, footprint, rank};
 use crate::capture::Camera;

@@ -39,7 +39,7 @@
 
 use glam::Vec3;
 
-use super::CameraLayer;
+use super::layer::CameraLayer;
 use crate::capture::Camera;
 use crate::capture::overlap::relative_side;
 use crate::color;

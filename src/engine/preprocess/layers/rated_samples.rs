@@ -13,7 +13,7 @@ use std::ops::Range;
 use glam::Vec3;
 use half::f16;
 
-use super::CameraLayer;
+use super::layer::CameraLayer;
 use super::packed_sample::{PackedColor, PackedGeometry, Rank};
 use crate::capture::Values;
 use crate::error::Result;

@@ -10,11 +10,13 @@
 //! **inverse** depth, `1/z = (nx u + ny v + nz) / d` with `u, v` on the normalized image plane, so that a linear
 //! least-squares fit over a window is exact on planes at any slant. What differs: the window is cut at depth steps.
 
+mod depth_view;
 mod estimate;
 mod plane_fit;
 mod validation;
 
-pub use estimate::{DepthView, estimate_all};
+pub use depth_view::DepthView;
+pub use estimate::estimate_all;
 pub(crate) use estimate::{MIN_CONFIDENCE, estimate_at};
 pub use validation::NormalErrors;
 pub(crate) use validation::{compare_with_given, contradiction, normal_space_warning};

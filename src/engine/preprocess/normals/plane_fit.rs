@@ -1,6 +1,6 @@
 //! The plane fit of [`normals`](super) for sixteen pixels at a time, wherever they lie.
 
-use super::estimate::{DepthView, Estimate, NOTHING};
+use super::depth_view::{DepthView, Estimate, NOTHING};
 use crate::simd::{LANES, VectorLoop};
 use glam::Vec3;
 

@@ -4,7 +4,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::estimate::{DepthView, MIN_CONFIDENCE, estimate_all};
+use super::depth_view::DepthView;
+use super::estimate::{MIN_CONFIDENCE, estimate_all};
 use crate::capture::{Camera, Frame};
 use crate::settings::{NormalEstimator, NormalSettings};
 

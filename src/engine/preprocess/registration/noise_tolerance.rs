@@ -1,7 +1,7 @@
 //! Colors and depths that differ by more than the tolerance, but by no more than the noise of both cameras explains.
 
+use super::matches::{COLOR_AGREES, RequiredTolerances, SAME, SURROUNDED, SurfaceMatches};
 use super::reproject::{ReprojectedRun, SourceRun, TargetRun};
-use super::{COLOR_AGREES, RequiredTolerances, SAME, SURROUNDED, SurfaceMatches};
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry};
 use crate::preprocess::temporal::SpanLevel;
 use crate::settings::Settings;

@@ -7,7 +7,7 @@
 //! [`Registration`] says what it is. Whether what the target saw there is the same surface point is decided in
 //! [`super::same_surface`].
 
-use super::{IN_FRONT, IN_VIEW};
+use super::matches::{IN_FRONT, IN_VIEW};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::capture::overlap::Registration;
 use crate::preprocess::layers::{

@@ -15,14 +15,14 @@
 //!
 //! `step` is what depths are rounded by. Where depth is noisy, a multiple of both samples' standard deviations is added to it.
 
+use super::matches::{
+    COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
+    RequiredTolerances, SurfaceMatches, VALUES_AGREE,
+};
 use super::noise_tolerance::{
     ColorNoise, FoundSurfaces, SurfaceTolerances, VisibleLevels, depth_noise_between, granted_depth_noise,
 };
 use super::reproject::{PixelRun, ReprojectedRun, SourceRun, TargetRun};
-use super::{
-    COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
-    RequiredTolerances, SurfaceMatches, VALUES_AGREE,
-};
 use crate::capture::agree;
 use crate::capture::overlap::Registration;
 use crate::preprocess::layers::{COLOR_STEPS, CameraLayer, PackedColor, PackedGeometry, is_mixed};

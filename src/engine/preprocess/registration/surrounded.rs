@@ -1,10 +1,10 @@
 //! Whether the target shows a surface all around a position, so that it can be interpolated there: the last of what
 //! [`SameSurface`] asks.
 
+use super::matches::{RequiredTolerances, SAME, SURROUNDED, SurfaceMatches};
 use super::noise_tolerance::{FoundSurfaces, granted_depth_noise_around};
 use super::reproject::{ReprojectedRun, TargetRun};
 use super::same_surface::{SameSurface, needed};
-use super::{RequiredTolerances, SAME, SURROUNDED, SurfaceMatches};
 use crate::capture::INVALID_INVERSE_DEPTH;
 use crate::capture::overlap::TargetLens;
 use crate::preprocess::layers::CameraLayer;

@@ -13,6 +13,7 @@
 
 mod block;
 mod interpolate;
+mod scratch_pool;
 mod silhouette;
 mod subpixels;
 mod surface_points;
@@ -21,6 +22,7 @@ mod view_weights;
 mod visibility_votes;
 
 pub(crate) use block::GatherScratch;
+pub(crate) use scratch_pool::ScratchPool;
 pub(crate) use silhouette::{Patch, RING, SIDE};
-pub(crate) use target::{BLOCK, BlockOrigin, PictureRows, ScratchPool};
+pub(crate) use target::{BLOCK, BlockOrigin, PictureRows};
 pub(crate) use view_weights::{SourceViews, full_coverage};

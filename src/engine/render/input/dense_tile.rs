@@ -1,7 +1,7 @@
 //! A tile of samples as 16×16 pixels, and the slope of its surface.
 
-use super::RelativeWidth;
 use super::frame_tiles::FrameTile;
+use super::relative_width::RelativeWidth;
 use crate::samples::{TILE, TILE_SAMPLES};
 
 /// Marks a pixel without a sample.

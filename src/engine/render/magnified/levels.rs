@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::capture::{Camera, Intrinsics};
 use crate::grid::Grid;
-use crate::render::coarser_samples::RecordedRates;
 use crate::render::geometry::Projector;
+use crate::render::recorded_rates::RecordedRates;
 use crate::render::vantage::{Picture, Vantage};
 use crate::samples::SampleSet;
 use crate::settings::{Magnified, RenderSettings};

@@ -6,16 +6,19 @@
 
 mod layers;
 mod per_pixel;
+mod strip;
+
+pub(crate) use layers::{BlockSet, PaintedLayer, ResolveInput};
 
 use rayon::prelude::*;
 
-use super::gather::{BLOCK, BlockOrigin, GatherScratch, PictureRows};
+use super::gather::{BLOCK, GatherScratch, PictureRows};
 use super::vantage::{FrontColor, Picture};
 use crate::error::Result;
 use crate::settings::Kernel;
 use crate::simd::{self, VectorLoop};
-pub(crate) use layers::{BlockSet, PaintedLayer, ResolveInput};
 use per_pixel::{ForegroundPixel, paint_over, show_nearest};
+use strip::Strip;
 
 /// Rows of blocks that are gathered together, a column of them at a time.
 const TALL: usize = 2;
@@ -112,92 +115,5 @@ fn resolve_block(
         paint_over(strip, block, foreground, shown);
     } else {
         strip.blend(block);
-    }
-}
-
-/// A row of blocks.
-struct Strip<'a> {
-    input: &'a ResolveInput<'a>,
-    /// Index among the rows of blocks.
-    row: usize,
-    rows: PictureRows<'a>,
-}
-
-impl Strip<'_> {
-    /// The block in a column of blocks.
-    #[inline(always)]
-    fn block(&self, column: usize) -> BlockOrigin {
-        BlockOrigin { left: column * BLOCK, top: self.row * BLOCK }
-    }
-
-    /// Gathers one block. Pixels near a visible foreground are gathered among all samples, others among those of the background
-    /// alone, which is what the background's picture shows there.
-    #[inline(always)]
-    fn gather(&mut self, block: BlockOrigin, scratch: &mut GatherScratch) {
-        let input = self.input;
-        let Some(views) = input.views else { return };
-        let near = input.foreground.map_or([0; BLOCK], |layer| input.near_foreground(block, layer));
-        // One loop for both, because all code in it is inlined.
-        for (nth, views) in views.into_iter().enumerate() {
-            let among_all = nth == 1;
-            let which = if among_all { near } else { near.map(|near| !near) };
-            if which == [0; BLOCK] {
-                continue;
-            }
-            if !among_all && let Some(background) = input.background_picture {
-                self.copy(block, background);
-                continue;
-            }
-            input.load(block, input.foreground.filter(|_| among_all), &mut scratch.patch);
-            scratch.gather(views, nth, &which, &mut self.rows);
-        }
-    }
-
-    /// Copies one block from a picture.
-    #[inline(always)]
-    fn copy(&mut self, block: BlockOrigin, from: &Picture) {
-        let (columns, rows) = self.rows.extent(block.left);
-        let (width, subpixels) = (self.rows.width, self.rows.subpixels);
-        let [left, top, columns, rows] =
-            [block.left, block.top, columns, rows].map(|pixels| pixels / subpixels);
-        for row in 0..rows {
-            let to = row * width + left..row * width + left + columns;
-            let start = (top + row) * width + left;
-            let source = start..start + columns;
-            put(&mut self.rows.color[to.clone()], &from.color.as_slice()[source.clone()]);
-            put(&mut self.rows.inverse_depth[to.clone()], &from.inverse_depth.as_slice()[source.clone()]);
-            put(&mut self.rows.image[to.clone()], &from.image.as_slice()[source.clone()]);
-            if !self.rows.fronts.is_empty() {
-                put(&mut self.rows.fronts[to.clone()], &from.fronts[source.clone()]);
-            }
-            if !self.rows.coverage.is_empty() {
-                put(&mut self.rows.coverage[to], &from.coverage[source]);
-            }
-        }
-    }
-
-    /// Gives each pixel of one block the blended color of its nearest surface.
-    #[inline(always)]
-    fn blend(&mut self, block: BlockOrigin) {
-        let (columns, rows) = self.rows.extent(block.left);
-        let (input, width) = (self.input, self.rows.width);
-        for row in 0..rows {
-            for column in 0..columns {
-                let pixel = (block.top + row) * width + block.left + column;
-                let key = input.key(pixel);
-                let color = if key == 0 { [0.0; 3] } else { input.blended(pixel, key) };
-                self.rows.set(input.stage.frame, row * width + block.left + column, key, color);
-            }
-        }
-    }
-}
-
-/// Copies as many values as both slices have. The usual case of sixteen takes neither a call nor a loop.
-#[inline(always)]
-fn put<T: Copy>(to: &mut [T], from: &[T]) {
-    if let (Some(to), Some(from)) = (to.first_chunk_mut::<BLOCK>(), from.first_chunk::<BLOCK>()) {
-        *to = *from;
-    } else {
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
     }
 }

@@ -2,7 +2,7 @@
 //! painted over a background that exists already.
 
 use super::layers::{BlockSet, PaintedLayer};
-use super::{Strip, put};
+use super::strip::{Strip, put};
 use crate::color::widened;
 use crate::render::gather::{BLOCK, BlockOrigin};
 use crate::render::input::{ColorIndex, FrameTile, linear};

@@ -13,7 +13,8 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{StageInput, inverse_depth_of, split_at_bands};
+use super::input::{StageInput, split_at_bands};
+use super::zkey::inverse_depth_of;
 use crate::error::Result;
 use crate::render::geometry::{
     FootprintReach, Footprints, MAX_STRETCH, ProjectedRow, Projector, RowBand, footprints,

@@ -5,7 +5,9 @@
 
 use rayon::prelude::*;
 
-use super::{BandRows, CORE, StageInput, TRUSTED, key, nearness, split_at_bands};
+use super::band_rows::BandRows;
+use super::input::{StageInput, split_at_bands};
+use super::zkey::{CORE, TRUSTED, key, nearness};
 use crate::error::Result;
 use crate::render::geometry::{
     CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,

@@ -2,9 +2,10 @@
 
 use super::block_traversal::Coder;
 use super::integers::{BitReader, BitWriter, join, split};
-use super::model::{CodedPlane, Counts, FrequencyTables, MASK_CONTEXTS, MaskSplits, TokenCounts};
+use super::model::{CodedPlane, Counts, FrequencyTables, MASK_CONTEXTS, MaskSplits};
 use super::plane_model::PlaneModel;
 use super::rans::{Decoder, RansEncoder, SlotRange, TOKENS};
+use super::table_fit::TokenCounts;
 use super::value_traversal::{VALUE_CONTEXTS, ValueCoder};
 use crate::store::container::{ByteReader, push_varint};
 

@@ -11,6 +11,7 @@ mod model;
 mod neighborhood;
 mod plane_model;
 mod rans;
+mod table_fit;
 mod value_traversal;
 
 pub(crate) use block_traversal::{BlockShape, BlockTraversal, Coder};

@@ -1,8 +1,8 @@
 //! The frequency tables of one plane of numbers: which of them each context uses.
 
 use super::integers::join;
-use super::model::{TokenCounts, frequencies, share_tables};
 use super::rans::{FrequencyTable, SCALE, TOKENS};
+use super::table_fit::{TokenCounts, frequencies, share_tables};
 use crate::plural::counted;
 use crate::store::container::{ByteReader, push_varint};
 

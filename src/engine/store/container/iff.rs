@@ -14,7 +14,7 @@
 
 use std::io::{self, Seek, SeekFrom, Write};
 
-use super::ReadAt;
+use super::source::ReadAt;
 
 use crate::plural::{counted, either};
 

@@ -9,9 +9,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::StoreInfo;
 use super::chunks::{InfoChunks, decode_doubtful, from_iff, in_chunk, is_known};
 use super::header::{ImageEntry, chain};
+use super::info::StoreInfo;
 use super::value_chunks::ValueTable;
 use crate::error::{Error, Result};
 use crate::job::Job;

@@ -11,7 +11,7 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::BlockEntry;
+use super::image_chunk::BlockEntry;
 use crate::capture::{BoxInPicture, Camera, PixelBox, any_orthographic};
 use crate::store::codec::BLOCK;
 

@@ -280,7 +280,8 @@ mod tests {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"96\" height=\"48\" font-family=\"Ubuntu\">{body}</svg>"
         );
         let mut options = usvg::Options::default();
-        std::sync::Arc::make_mut(&mut options.fontdb).load_font_data(crate::chart::svg::FONT.to_vec());
+        std::sync::Arc::make_mut(&mut options.fontdb)
+            .load_font_data(super::super::type_metrics::FONT.to_vec());
         of_tree(&usvg::Tree::from_str(&svg, &options).unwrap())
     }
 

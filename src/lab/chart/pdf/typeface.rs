@@ -9,8 +9,8 @@ use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, GlyphId, MetadataProvider};
 use subsetter::GlyphRemapper;
 
+use super::super::type_metrics::FONT;
 use super::stream::{deflated, refusal};
-use crate::chart::svg::FONT;
 use overlook_engine::error::Result;
 
 /// Lengths of a typeface in PDF count so many to an em.

@@ -20,7 +20,7 @@ pub(super) struct Coverage {
 }
 
 impl Coverage {
-    /// Weighs the points; `counts` has the number of points of each [`SeenPoints`](crate::tune::views::visibility::SeenPoints).
+    /// Weighs the points; `counts` has the number of points of each [`SeenPoints`](super::surface_points::SeenPoints).
     pub(super) fn new(shown: Vec<ShownPoints>, counts: &[usize]) -> Self {
         let mut weights: Vec<Vec<u64>> = counts.iter().map(|count| vec![0; *count]).collect();
         for of in shown.iter().flatten() {

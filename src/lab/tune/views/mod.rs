@@ -12,6 +12,7 @@
 //! few points each, and measures no accuracy. Both take views by the same [`GreedyCover`](overlook_engine::capture::GreedyCover).
 
 mod greedy;
+mod surface_points;
 #[cfg(test)]
 mod tests;
 mod visibility;
@@ -27,7 +28,8 @@ use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::{AlignSettings, Settings};
-use visibility::{seen_points, shown_by_each};
+use surface_points::seen_points;
+use visibility::shown_by_each;
 
 /// The default share of all seen surfaces that the chosen views must show, 0 to 1.
 pub const SHOWN_AT_LEAST: f64 = 0.99;

@@ -2,20 +2,18 @@
 //!
 //! A camera is a folder of pictures, or the part of their names before the number of the frame: `left.0001.exr`, `left/0001.exr`.
 
+mod header_camera;
 mod projection;
 mod unreal;
 
 use std::collections::BTreeMap;
-use std::path::Path;
-
-use glam::DAffine3;
 
 use super::place::{SourceFolder, names_in};
 use super::reader::{Description, ReadSource, Reader};
 use super::views::{entry, lens, rig_or_recording, stem};
 use crate::capture::exr::HeaderAttributes;
 use crate::capture::transforms::{Keys, PictureEntry};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Pictures of renderers that write their camera into them.
 pub(super) const EXR_HEADER: Reader = Reader {
@@ -125,20 +123,4 @@ fn pictures(place: &SourceFolder) -> Vec<HeaderPicture> {
     let mut all: Vec<HeaderPicture> = by_camera.into_values().flatten().collect();
     all.sort_by(|a, b| (&a.camera, a.number).cmp(&(&b.camera, b.number)));
     all
-}
-
-/// A camera from a header.
-struct HeaderCamera {
-    /// x right, y down, z forward.
-    pub world_from_camera: DAffine3,
-    /// fx, fy, cx, cy in pixels, the first pixel's center at 0.5.
-    pub lens: [f64; 4],
-}
-
-/// The error of a header that lacks something.
-fn lacks(path: &Path, what: &str) -> Error {
-    Error::invalid(
-        path.display(),
-        format!("there is no {what} in the header; render it again, or write a transforms.json"),
-    )
 }

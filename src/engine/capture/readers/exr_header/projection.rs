@@ -9,7 +9,7 @@ use std::path::Path;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::{HeaderCamera, lacks};
+use super::header_camera::{HeaderCamera, lacks};
 use crate::capture::exr::HeaderAttributes;
 use crate::error::{Error, Result};
 

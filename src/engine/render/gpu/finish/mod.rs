@@ -11,6 +11,7 @@
 //! because the CPU does not wait for them. Rays across holes pass over 32 pixels at a step, by masks of sources, instead of being
 //! swept.
 
+mod painted;
 mod planes;
 mod seen;
 mod sky;
@@ -26,12 +27,13 @@ use crate::error::Result;
 use crate::render::finish::{has_sky, tests_free_space};
 use crate::samples::SampleSet;
 use crate::settings::Fill;
-pub(super) use planes::Painted;
-use planes::{FinishLayout, FinishPlanes, Known};
+use painted::Known;
+use planes::{FinishLayout, FinishPlanes};
 use seen::SeenCells;
 use sky::Sky;
 use stages::FinishStages;
 
+pub(super) use painted::Painted;
 #[cfg(test)]
 pub(super) use sky::SKY_SIDE;
 

@@ -1,21 +1,15 @@
 //! What the stages that finish a picture work on.
 
-use std::sync::Arc;
-
-use bytemuck::Zeroable;
-use wgpu::BufferUsages as Usage;
-
-use crate::capture::Camera;
+use super::painted::Painted;
 use crate::error::Result;
 use crate::render::geometry::rays_in_world;
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCellView, GpuFinish};
 use crate::render::gpu::pipelines::{bind, first_of};
-use crate::render::gpu::scene::{SceneBindings, list, numbers_at, uniform_at};
-use crate::render::gpu::target::GpuTarget;
-use crate::render::input::{FrameSamples, focal};
-use crate::samples::SampleSet;
-use crate::settings::RenderSettings;
+use crate::render::gpu::scene::{list, numbers_at, uniform_at};
+use crate::render::input::focal;
+use bytemuck::Zeroable;
+use wgpu::BufferUsages as Usage;
 
 /// Counts that the stages share, as in `finish.wgsl`.
 const COUNTS: u64 = 6;
@@ -170,23 +164,4 @@ impl FinishPlanes {
     pub(super) fn at_step(step: usize) -> [u32; 1] {
         [numbers_at(step)]
     }
-}
-
-/// A painted picture.
-#[derive(Clone, Copy)]
-pub(crate) struct Painted<'a> {
-    pub(crate) samples: &'a Arc<SampleSet>,
-    pub(crate) frame: &'a FrameSamples<'a>,
-    /// The vantage's camera.
-    pub(crate) camera: &'a Camera,
-    pub(crate) settings: &'a RenderSettings,
-    pub(crate) scene: &'a SceneBindings,
-    pub(crate) target: &'a GpuTarget,
-}
-
-/// What of the last frame is still known.
-#[derive(Clone, Copy)]
-pub(super) struct Known {
-    pub(super) background: bool,
-    pub(super) frame: bool,
 }

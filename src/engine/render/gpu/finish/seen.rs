@@ -1,6 +1,6 @@
 //! What the cameras that are asked about lines of sight saw: the stages of `shaders/seen/`.
 
-use super::planes::{Known, Painted};
+use super::painted::{Known, Painted};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::render::free_space::{CELL_BORDER, behind_ratio, cameras_to_ask};

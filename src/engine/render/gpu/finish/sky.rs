@@ -1,6 +1,6 @@
 //! The sky that cameras saw, by direction: the stages of `shaders/sky/`.
 
-use super::planes::{Known, Painted};
+use super::painted::{Known, Painted};
 use crate::error::Result;
 use crate::render::geometry::rays_in_world;
 use crate::render::gpu::commands::{Commands, over_layer};
