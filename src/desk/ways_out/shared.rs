@@ -63,7 +63,7 @@ pub(crate) struct FileKind {
 }
 
 impl FileKind {
-    /// Of what is made of all samples.
+    /// A file that is made of all samples.
     pub(crate) const fn of_samples(
         title: &'static str,
         endings: &'static [&'static str],
@@ -201,7 +201,7 @@ pub(crate) struct Facts {
     pub at_infinity_here: u64,
     /// Bytes of the store: of an open one as it is, else by writing all samples or those of some cameras.
     pub store_bytes: f64,
-    /// Of the picture of the live view; `None` while none is in memory.
+    /// Facts of the live view's picture; `None` while none is in memory.
     pub picture: Option<PictureFacts>,
 }
 

@@ -15,7 +15,7 @@ use crate::median::median;
 pub(crate) struct SurfaceSample {
     /// Image position, pixels.
     pub(crate) pixel: DVec2,
-    /// Of the plane at the sample, 1/unit.
+    /// Inverse depth of the plane at the sample, 1/unit.
     pub(crate) inverse_depth: f64,
     /// Unit length, in camera space, away from the camera.
     pub(crate) normal_in_camera: DVec3,

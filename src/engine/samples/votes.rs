@@ -21,7 +21,7 @@ pub struct VoteCounts {
 }
 
 impl VoteCounts {
-    /// Of the sky, which counts as confirmed by all: depth tells nothing of it.
+    /// Votes on the sky, which counts as confirmed by all: depth tells nothing of it.
     pub(crate) const OF_SKY: Self = Self { confirm: u32::MAX / 2, look_past: 0 };
 
     /// With one more vote.

@@ -25,7 +25,7 @@ pub struct Chart {
 /// The size of a sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Print {
-    /// Of its PNG.
+    /// Columns of its PNG.
     pub(super) columns: u32,
     pub(super) rows: u32,
     /// Pixels on an inch of paper.

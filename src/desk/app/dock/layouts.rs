@@ -45,7 +45,7 @@ pub(crate) fn tree_of(workspace: Workspace) -> Tree<DockView> {
         Workspace::Compare => {
             let live = tabs(&mut tiles, &[DockView::Live, DockView::Source]);
             let compare = tabs(&mut tiles, &[DockView::Compare]);
-            // Of one shape, so that what is compared at the viewpoint of the live view fills its view.
+            // Both have one shape: what is compared at the live viewpoint fills its view.
             let both = beside(&mut tiles, [live, compare], 0.5);
             let side = tabs(&mut tiles, &[DockView::Thresholds, DockView::Report]);
             beside(&mut tiles, [both, side], 1.0 - SIDE_SHARE)

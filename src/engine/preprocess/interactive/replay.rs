@@ -89,7 +89,7 @@ struct ReplayBand<'a> {
     index: usize,
     /// Its first pixel.
     first: usize,
-    /// Of all its pixels.
+    /// Verdicts on all its pixels.
     verdicts: &'a mut [Verdict],
     /// Indices of samples whose candidate may be dropped itself.
     pending: Vec<u32>,

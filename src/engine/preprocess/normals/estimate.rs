@@ -45,7 +45,7 @@ fn cross(view: &DepthView<'_>, pixel: u32) -> Estimate {
         let w = view.same_surface(x + dx, y + dy, center, 1)?;
         Some((view.point(x + dx, y + dy, w) - here, (w - center).abs()))
     };
-    // Of the two one-sided differences the flatter one is less likely to reach over a crease or an edge.
+    // The flatter of two one-sided differences is less likely to reach over a crease or an edge.
     let axis = |dx: i32, dy: i32| match (side(-dx, -dy), side(dx, dy)) {
         (Some((back, step_back)), Some((ahead, step_ahead))) => {
             let best = if step_back < step_ahead { -back } else { ahead };

@@ -225,7 +225,7 @@ impl Taps {
         Self { at, along, weights }
     }
 
-    /// Of a whole row.
+    /// Taps of a whole row.
     fn row(level: usize, width: usize, size: usize) -> Vec<Self> {
         (0..width).map(|x| Self::new(level, x, size)).collect()
     }

@@ -85,7 +85,7 @@ fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource
 fn keys_of_all(is_unreal: bool) -> Keys {
     Keys {
         depth_unit_scale_factor: Some(if is_unreal { 0.01 } else { 1.0 }),
-        // Of Arnold's and Karma's worlds, y is up.
+        // In Arnold's and Karma's worlds, y is up.
         up: Some(if is_unreal { unreal::UP } else { [0.0, 1.0, 0.0] }),
         ..Keys::default()
     }
