@@ -412,6 +412,8 @@ def measure(arguments, folder):
     results = known(program)
     both = arguments.accuracy == arguments.times
     chosen = [capture for capture in captures(given) if not arguments.only or capture[0] in arguments.only]
+    if arguments.only:
+        chosen = [capture for name in arguments.only for capture in chosen if capture[0] == name]
     if both or arguments.accuracy:
         for name, content, place, recording in chosen:
             with Progress(name):
@@ -499,7 +501,7 @@ def main():
     parser.add_argument("paths", nargs="*", metavar="PROGRAM [CAPTURE...]", help="the program, and more captures")
     parser.add_argument("--accuracy", action="store_true", help="measure accuracy and bytes alone")
     parser.add_argument("--times", action="store_true", help="measure times alone")
-    parser.add_argument("--only", action="append", metavar="NAME", help="measure this capture alone (or 'sizes'); may be given several times")
+    parser.add_argument("--only", action="append", metavar="NAME", help="measure this capture alone (or 'sizes'); several are measured in their order")
     parser.add_argument("--work", metavar="DIR", type=Path, help="where captures and stores are written, and used again [default: a temporary folder]")
     parser.add_argument("--commit", metavar="HASH", help="the commit that the program was built of [default: the last that changed the sources]")
     parser.add_argument("--write-only", action="store_true", help="write the page from results.json, and measure nothing")
