@@ -23,11 +23,14 @@ pub(crate) enum OpenRequest {
     Path { path: PathBuf, settings: CaptureSettings, keys: Vec<(String, String)> },
 }
 
+/// Work of a worker.
+type Work = Box<dyn FnOnce(&Job) -> Result<Message> + Send>;
+
 /// A file that is read or written, or what is drawn for the clipboard.
 pub(crate) struct FileWork {
     /// Title and text of the message once it was stopped.
     pub stopped: (&'static str, String),
-    pub run: Box<dyn FnOnce(&Job) -> Result<Message> + Send>,
+    pub run: Work,
 }
 
 impl FileWork {

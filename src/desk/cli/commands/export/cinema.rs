@@ -65,7 +65,7 @@ impl CinemaArgs {
         let mut renderer = Renderer::strict(settings.backend)?;
         let source = FilmSource::Disk(playback.clone());
         let (pictures, places) = (counted(rows.len(), "picture"), counted(views.len(), "viewpoint"));
-        output::export(&[playback.clone()], None, |job| {
+        output::export(std::slice::from_ref(&playback), None, |job| {
             whole_file::write_folder(&self.out, |folder| {
                 film::paint(&source, &vantages, None, &mut renderer, &settings, job, |nth, picture| {
                     PicturePaths::below(folder, &rows[nth].files[0])?.write(picture)

@@ -63,10 +63,10 @@ impl PageArgs {
         let channels = &playback.outline().values;
         let colored = self.values.values.channel(channels, &self.from.store.display().to_string())?;
         let form = colored.is_none().then_some("a page");
-        output::export(&[playback.clone()], form, |job| {
+        output::export(std::slice::from_ref(&playback), form, |job| {
             let written = match colored {
                 Some(channel) => self.write_colored(playback.store(), channel, options, job)?,
-                None => ways_out::page::write(&self.out, &FilmSource::Disk(playback), &options, job)?,
+                None => ways_out::page::write(&self.out, &FilmSource::Disk(playback.clone()), &options, job)?,
             };
             let of_store = match written.samples_of_store {
                 all if all == written.samples => String::new(),

@@ -66,7 +66,7 @@ impl RenderArgs {
         let colored = self.shown.channel(&playback.outline().values, &place)?;
         let values = ShownValues { args: &self.shown, colored, as_arrays: self.values, place: &place };
         if let Some(width) = self.orthographic {
-            return output::export(&[playback.clone()], None, |job| {
+            return output::export(std::slice::from_ref(&playback), None, |job| {
                 let notice =
                     views::paint_orthographic(&playback, &views, width, &paths, &settings, &values, job)?;
                 Ok((output::wrote_pictures(paths.len(), &self.out), notice))
