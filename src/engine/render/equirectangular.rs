@@ -119,8 +119,7 @@ pub fn equirectangular(faces: &[Picture; FACE_COUNT], width: u32) -> Picture {
         color: Grid::from_fn(columns, rows, |x, y| at(x, y).0),
         inverse_depth: Grid::from_fn(columns, rows, |x, y| at(x, y).1),
         image: Grid::from_fn(columns, rows, |x, y| at(x, y).2),
-        fronts: Vec::new(),
-        coverage: Vec::new(),
+        ..Picture::empty(0, 0)
     }
 }
 

@@ -161,8 +161,7 @@ pub(crate) fn averaged(finer: &Picture, factor: usize) -> Picture {
         color: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.0).collect()),
         inverse_depth: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.1).collect()),
         image: Grid::from_vec(width, height, pixels.iter().map(|pixel| pixel.2).collect()),
-        fronts: Vec::new(),
-        coverage: Vec::new(),
+        ..Picture::empty(0, 0)
     }
 }
 

@@ -161,8 +161,7 @@ mod tests {
             color: Grid::filled(4, 1, [1.0; 3]),
             inverse_depth: Grid::filled(4, 1, 0.5),
             image: Grid::filled(4, 1, 0),
-            fronts: Vec::new(),
-            coverage: Vec::new(),
+            ..Picture::empty(0, 0)
         };
         let truth = Frame {
             color: Grid::filled(4, 1, [half::f16::ONE; 3]),

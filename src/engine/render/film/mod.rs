@@ -125,23 +125,6 @@ pub fn paint(
     renderer: &mut Renderer,
     settings: &RenderSettings,
     job: &Job,
-    mut take: impl FnMut(usize, &Picture) -> Result<()>,
-) -> Result<()> {
-    let take = |nth: usize, shown: &FilmPicture| take(nth, &shown.picture);
-    paint_with_values(source, vantages, orthographic, renderer, settings, job, take)
-}
-
-/// As [`paint`], with the values that pictures show.
-///
-/// # Errors
-/// As [`paint`].
-pub fn paint_with_values(
-    source: &FilmSource,
-    vantages: &[Vantage],
-    orthographic: Option<f64>,
-    renderer: &mut Renderer,
-    settings: &RenderSettings,
-    job: &Job,
     mut take: impl FnMut(usize, &FilmPicture) -> Result<()>,
 ) -> Result<()> {
     job.start("Rendering", vantages.len());

@@ -302,8 +302,7 @@ mod tests {
             color: Grid::filled(size.0, size.1, [0.0; 3]),
             inverse_depth: Grid::from_fn(size.0, size.1, depth),
             image: Grid::from_fn(size.0, size.1, |x, y| if depth(x, y) < 0.0 { NO_IMAGE } else { 0 }),
-            fronts: Vec::new(),
-            coverage: Vec::new(),
+            ..Picture::empty(0, 0)
         }
     }
 

@@ -17,191 +17,52 @@ impl Shader {
     }
 }
 
+/// The shader with this entry point: a file of its own, behind the shared pieces that it needs.
+macro_rules! shader {
+    ($entry:literal, $own:ident $(: $($piece:ident)+)?) => {
+        Shader { entry: $entry, pieces: &[$($(common::$piece,)+)? overlook_shaders::$own] }
+    };
+}
+
 /// The surface stage with 64-bit atomics.
-pub(super) const SURFACE_64: Shader = Shader {
-    entry: "surface",
-    pieces: &[
-        common::STAGE,
-        common::SAMPLES,
-        common::PROJECT,
-        common::EDGES,
-        common::DENSE_TILE,
-        common::KEYS_64,
-        overlook_shaders::SURFACE,
-    ],
-};
+pub(super) const SURFACE_64: Shader =
+    shader!("surface", SURFACE: STAGE SAMPLES PROJECT EDGES DENSE_TILE KEYS_64);
 /// The surface stage with 32-bit atomics.
-pub(super) const SURFACE_32: Shader = Shader {
-    entry: "surface",
-    pieces: &[
-        common::STAGE,
-        common::SAMPLES,
-        common::PROJECT,
-        common::EDGES,
-        common::DENSE_TILE,
-        common::KEYS_32,
-        overlook_shaders::SURFACE,
-    ],
-};
-pub(super) const BLEND: Shader = Shader {
-    entry: "blend",
-    pieces: &[
-        common::STAGE,
-        common::SAMPLES,
-        common::PROJECT,
-        common::EDGES,
-        common::DENSE_TILE,
-        common::SUMS,
-        overlook_shaders::BLEND,
-    ],
-};
+pub(super) const SURFACE_32: Shader =
+    shader!("surface", SURFACE: STAGE SAMPLES PROJECT EDGES DENSE_TILE KEYS_32);
+pub(super) const BLEND: Shader = shader!("blend", BLEND: STAGE SAMPLES PROJECT EDGES DENSE_TILE SUMS);
 /// The resolve stage of kernels that do not gather.
-pub(super) const RESOLVE: Shader = Shader {
-    entry: "resolve",
-    pieces: &[common::STAGE, common::SAMPLES, common::SUMS, common::PICTURE, overlook_shaders::RESOLVE],
-};
-pub(super) const SILHOUETTE: Shader = Shader {
-    entry: "silhouette",
-    pieces: &[
-        common::STAGE,
-        common::SAMPLES,
-        common::PROJECT,
-        common::LOOKUP,
-        common::REPROJECT,
-        common::PATCH,
-        overlook_shaders::SILHOUETTE,
-    ],
-};
-pub(super) const GATHER: Shader = Shader {
-    entry: "gather",
-    pieces: &[
-        common::STAGE,
-        common::SAMPLES,
-        common::PROJECT,
-        common::LOOKUP,
-        common::REPROJECT,
-        common::PATCH,
-        common::PICTURE,
-        overlook_shaders::GATHER,
-    ],
-};
-pub(super) const DISPLAY: Shader = Shader { entry: "display", pieces: &[overlook_shaders::DISPLAY] };
-pub(super) const AVERAGE: Shader = Shader { entry: "average", pieces: &[overlook_shaders::AVERAGE] };
+pub(super) const RESOLVE: Shader = shader!("resolve", RESOLVE: STAGE SAMPLES SUMS PICTURE);
+pub(super) const SILHOUETTE: Shader =
+    shader!("silhouette", SILHOUETTE: STAGE SAMPLES PROJECT LOOKUP REPROJECT PATCH);
+pub(super) const GATHER: Shader =
+    shader!("gather", GATHER: STAGE SAMPLES PROJECT LOOKUP REPROJECT PATCH PICTURE);
+pub(super) const DISPLAY: Shader = shader!("display", DISPLAY);
+pub(super) const AVERAGE: Shader = shader!("average", AVERAGE);
 
 /// Carries samples into the cells of cameras.
-pub(super) const CARRY: Shader = Shader {
-    entry: "carry",
-    pieces: &[
-        common::STAGE,
-        common::SAMPLES,
-        common::PROJECT,
-        common::CELL_VIEW,
-        common::DENSE_TILE,
-        overlook_shaders::CARRY,
-    ],
-};
-pub(super) const FREE_DEPTHS: Shader = Shader {
-    entry: "free_depths",
-    pieces: &[common::PROJECT, common::CELL_VIEW, overlook_shaders::FREE_DEPTHS],
-};
-pub(super) const SUM_SKY: Shader = Shader {
-    entry: "sum_sky",
-    pieces: &[
-        common::STAGE,
-        common::SAMPLES,
-        common::DENSE_TILE,
-        common::SUMS,
-        common::SKY_GRIDS,
-        overlook_shaders::SUM_SKY,
-    ],
-};
-pub(super) const HALVE_SKY: Shader = Shader {
-    entry: "halve_sky",
-    pieces: &[common::SUMS, common::SKY_GRIDS, common::SKY_LEVELS, overlook_shaders::HALVE_SKY],
-};
-pub(super) const FILL_SKY: Shader = Shader {
-    entry: "fill_sky",
-    pieces: &[common::SKY_GRIDS, common::SKY_LEVELS, overlook_shaders::FILL_SKY],
-};
+pub(super) const CARRY: Shader = shader!("carry", CARRY: STAGE SAMPLES PROJECT CELL_VIEW DENSE_TILE);
+pub(super) const FREE_DEPTHS: Shader = shader!("free_depths", FREE_DEPTHS: PROJECT CELL_VIEW);
+pub(super) const SUM_SKY: Shader = shader!("sum_sky", SUM_SKY: STAGE SAMPLES DENSE_TILE SUMS SKY_GRIDS);
+pub(super) const HALVE_SKY: Shader = shader!("halve_sky", HALVE_SKY: SUMS SKY_GRIDS SKY_LEVELS);
+pub(super) const FILL_SKY: Shader = shader!("fill_sky", FILL_SKY: SKY_GRIDS SKY_LEVELS);
 
 /// The stages that finish a picture, in the order in which they first run.
 pub(super) const FINISH: [Shader; 14] = [
-    Shader {
-        entry: "square_ranges",
-        pieces: &[common::FINISH, common::SURROUNDINGS, overlook_shaders::SQUARE_RANGES],
-    },
-    Shader {
-        entry: "lines_of_sight",
-        pieces: &[
-            common::PROJECT,
-            common::CELL_VIEW,
-            common::FINISH,
-            common::SURROUNDINGS,
-            common::RAY_TEST,
-            overlook_shaders::LINES_OF_SIGHT,
-        ],
-    },
-    Shader { entry: "enclosed", pieces: &[common::FINISH, common::SURROUNDINGS, overlook_shaders::ENCLOSED] },
-    Shader {
-        entry: "open_holes",
-        pieces: &[
-            common::PROJECT,
-            common::CELL_VIEW,
-            common::FINISH,
-            common::SURROUNDINGS,
-            common::RAY_TEST,
-            overlook_shaders::OPEN_HOLES,
-        ],
-    },
-    Shader { entry: "rims", pieces: &[common::FINISH, overlook_shaders::RIMS] },
-    Shader { entry: "holes", pieces: &[common::FINISH, common::TALLY, overlook_shaders::HOLES] },
-    Shader {
-        entry: "sky",
-        pieces: &[common::FINISH, common::SKY_GRIDS, common::ENVIRONMENT, overlook_shaders::SKY],
-    },
-    Shader {
-        entry: "ray_masks",
-        pieces: &[common::FINISH, common::HOLE_RAYS, common::SOURCES, overlook_shaders::RAY_MASKS],
-    },
-    Shader {
-        entry: "open_sky",
-        pieces: &[common::FINISH, common::HOLE_RAYS, common::SOURCES, overlook_shaders::OPEN_SKY],
-    },
-    Shader { entry: "kinds", pieces: &[common::FINISH, common::TALLY, overlook_shaders::KINDS] },
-    Shader {
-        entry: "pull",
-        pieces: &[
-            common::FINISH,
-            common::HOLE_RAYS,
-            common::PYRAMID,
-            common::SOURCES,
-            overlook_shaders::PULL,
-        ],
-    },
-    Shader {
-        entry: "fill",
-        pieces: &[
-            common::FINISH,
-            common::SKY_GRIDS,
-            common::ENVIRONMENT,
-            common::HOLE_RAYS,
-            common::FILLINGS,
-            common::PYRAMID,
-            overlook_shaders::FILL,
-        ],
-    },
-    Shader {
-        entry: "around",
-        pieces: &[
-            common::FINISH,
-            common::SKY_GRIDS,
-            common::ENVIRONMENT,
-            common::HOLE_RAYS,
-            common::FILLINGS,
-            overlook_shaders::AROUND,
-        ],
-    },
-    Shader { entry: "put_over", pieces: &[common::FINISH, overlook_shaders::PUT_OVER] },
+    shader!("square_ranges", SQUARE_RANGES: FINISH SURROUNDINGS),
+    shader!("lines_of_sight", LINES_OF_SIGHT: PROJECT CELL_VIEW FINISH SURROUNDINGS RAY_TEST),
+    shader!("enclosed", ENCLOSED: FINISH SURROUNDINGS),
+    shader!("open_holes", OPEN_HOLES: PROJECT CELL_VIEW FINISH SURROUNDINGS RAY_TEST),
+    shader!("rims", RIMS: FINISH),
+    shader!("holes", HOLES: FINISH TALLY),
+    shader!("sky", SKY: FINISH SKY_GRIDS ENVIRONMENT),
+    shader!("ray_masks", RAY_MASKS: FINISH HOLE_RAYS SOURCES),
+    shader!("open_sky", OPEN_SKY: FINISH HOLE_RAYS SOURCES),
+    shader!("kinds", KINDS: FINISH TALLY),
+    shader!("pull", PULL: FINISH HOLE_RAYS PYRAMID SOURCES),
+    shader!("fill", FILL: FINISH SKY_GRIDS ENVIRONMENT HOLE_RAYS FILLINGS PYRAMID),
+    shader!("around", AROUND: FINISH SKY_GRIDS ENVIRONMENT HOLE_RAYS FILLINGS),
+    shader!("put_over", PUT_OVER: FINISH),
 ];
 
 #[cfg(test)]

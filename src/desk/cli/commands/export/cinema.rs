@@ -67,8 +67,8 @@ impl CinemaArgs {
         let (pictures, places) = (counted(rows.len(), "picture"), counted(views.len(), "viewpoint"));
         output::export(std::slice::from_ref(&playback), None, |job| {
             whole_file::write_folder(&self.out, |folder| {
-                film::paint(&source, &vantages, None, &mut renderer, &settings, job, |nth, picture| {
-                    PicturePaths::below(folder, &rows[nth].files[0])?.write(picture)
+                film::paint(&source, &vantages, None, &mut renderer, &settings, job, |nth, shown| {
+                    PicturePaths::below(folder, &rows[nth].files[0])?.write(&shown.picture)
                 })?;
                 write_table(folder, &rows)
             })?;

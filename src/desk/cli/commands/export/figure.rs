@@ -161,7 +161,7 @@ impl FigureArgs {
                 Ok(())
             };
             let width = self.orthographic;
-            film::paint_with_values(&source, &vantage, width, &mut renderer, &settings, job, take)?;
+            film::paint(&source, &vantage, width, &mut renderer, &settings, job, take)?;
             painted.ok_or_else(|| Error::invalid("figure", "has no picture"))
         })?;
         output::warn(renderer.notice().map(str::to_owned).as_slice());

@@ -246,13 +246,13 @@ impl Film {
             let mut look = None;
             let take = |nth: usize, shown: &FilmPicture| take(nth, &self.frame(shown, &mut look)?);
             let (width, settings) = (self.orthographic, &self.settings);
-            film::paint_with_values(&source, vantages, width, &mut renderer, settings, job, take)?;
+            film::paint(&source, vantages, width, &mut renderer, settings, job, take)?;
             return Ok(renderer.notice().map(str::to_owned));
         };
         let faces: Vec<_> = vantages.iter().flat_map(|vantage| faces_around(vantage, up, width)).collect();
         let mut painted = Vec::with_capacity(FACE_COUNT);
         film::paint(&source, &faces, None, &mut renderer, &self.settings, job, |nth, face| {
-            painted.push(face.clone());
+            painted.push(Picture::clone(&face.picture));
             match <&[Picture; FACE_COUNT]>::try_from(painted.as_slice()) {
                 Ok(all) => {
                     let rendered = &equirectangular(all, width);

@@ -114,6 +114,6 @@ pub(super) fn paint_orthographic(
     let mut renderer = Renderer::strict(settings.backend)?;
     let source = FilmSource::Disk(playback.clone());
     let write = |nth: usize, shown: &FilmPicture| values.write(&paths[nth], &shown.picture, &shown.values());
-    film::paint_with_values(&source, &vantages, Some(width), &mut renderer, settings, job, write)?;
+    film::paint(&source, &vantages, Some(width), &mut renderer, settings, job, write)?;
     Ok(renderer.notice().map(str::to_owned))
 }

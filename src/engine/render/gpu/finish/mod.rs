@@ -27,7 +27,7 @@ use crate::error::Result;
 use crate::render::finish::{has_sky, tests_free_space};
 use crate::samples::SampleSet;
 use crate::settings::Fill;
-use painted::Known;
+use painted::{Known, Recording};
 use planes::{FinishLayout, FinishPlanes};
 use seen::SeenCells;
 use sky::Sky;
@@ -113,7 +113,8 @@ impl CardFinisher {
             Some(planes) => planes,
             None => FinishPlanes::new(context, layout)?,
         };
-        let views = if tests_lines { self.see(context, commands, painted)? } else { Vec::new() };
+        let seeing = Recording { context, commands, painted };
+        let views = if tests_lines { self.see(seeing)? } else { Vec::new() };
         let (seen, sky) = (&self.seen, &self.sky);
         let known = tests_lines.then(|| (seen.free_depths(), sky.environment()));
         let group = planes.bind(context, &self.stages.layout, painted, &views, known)?;
@@ -128,21 +129,16 @@ impl CardFinisher {
     }
 
     /// Finds what cameras saw, as far as it is not known from the last frame. Returns the views of the cameras asked.
-    fn see(
-        &mut self,
-        context: &Context,
-        commands: &mut Commands<'_>,
-        painted: Painted<'_>,
-    ) -> Result<Vec<GpuCellView>> {
-        let Painted { samples, frame, .. } = painted;
+    fn see(&mut self, mut recording: Recording<'_, '_>) -> Result<Vec<GpuCellView>> {
+        let Painted { samples, frame, .. } = recording.painted;
         let background_images = &frame.images[..frame.background_images];
         let is_known = |seen: &Option<SeenImages>, images: &[usize]| {
             seen.as_ref().is_some_and(|seen| seen.is_of(samples, images))
         };
         let background = is_known(&self.background, background_images);
         let known = Known { background, frame: background && is_known(&self.frame, &frame.images) };
-        self.sky.record(context, commands, painted, known)?;
-        let views = self.seen.record(context, commands, painted, known)?;
+        self.sky.record(&mut recording, known)?;
+        let views = self.seen.record(&mut recording, known)?;
         let seen = |images: &[usize]| Some(SeenImages { samples: samples.clone(), images: images.to_vec() });
         (self.background, self.frame) = (seen(background_images), seen(&frame.images));
         Ok(views)

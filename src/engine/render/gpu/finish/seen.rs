@@ -1,10 +1,9 @@
 //! What the cameras that are asked about lines of sight saw: the stages of `shaders/seen/`.
 
-use super::painted::{Known, Painted};
+use super::painted::{Known, Painted, Recording};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::render::free_space::{CELL_BORDER, behind_ratio, cameras_to_ask};
-use crate::render::gpu::commands::{Commands, over_layer};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCellView, GpuProjector};
 use crate::render::gpu::pipelines::{Pipelines, READ, WRITE, bind, layout, pipeline};
@@ -115,11 +114,10 @@ impl SeenCells {
     /// camera first.
     pub(super) fn record(
         &mut self,
-        context: &Context,
-        commands: &mut Commands<'_>,
-        painted: Painted<'_>,
+        recording: &mut Recording<'_, '_>,
         known: Known,
     ) -> Result<Vec<GpuCellView>> {
+        let (context, painted) = (recording.context, recording.painted);
         let cameras = &painted.frame.set.cameras;
         let wanted = cameras_to_ask(cameras, painted.camera);
         let most = cameras.iter().map(cell_count).max().unwrap_or(0);
@@ -139,7 +137,7 @@ impl SeenCells {
             AskedCamera { place: *place, cells, view }
         };
         let asked: Vec<AskedCamera> = wanted.iter().zip(&places).map(asked).collect();
-        self.complete(context, commands, painted, &mut slots, &asked)?;
+        self.complete(recording, &mut slots, &asked)?;
         self.slots = Some(slots);
         Ok(asked.iter().map(|asked| asked.view).collect())
     }
@@ -147,12 +145,12 @@ impl SeenCells {
     /// Fills the places that hold nothing yet.
     fn complete(
         &self,
-        context: &Context,
-        commands: &mut Commands<'_>,
-        painted: Painted<'_>,
+        recording: &mut Recording<'_, '_>,
         slots: &mut Slots,
         asked: &[AskedCamera],
     ) -> Result<()> {
+        let (context, painted) = (recording.context, recording.painted);
+        let carry = ("seen", &self.carry, &self.carry_layout);
         let place_bytes = 4 * slots.cells;
         let lacks = |has: fn(&Slot) -> bool| -> Vec<&AskedCamera> {
             asked.iter().filter(|asked| !has(&slots.held[asked.place])).collect()
@@ -163,22 +161,22 @@ impl SeenCells {
         }
         for asked in &no_background {
             let at = asked.place as u64 * place_bytes;
-            commands.encoder.clear_buffer(&slots.background, at, Some(place_bytes));
+            recording.commands.encoder.clear_buffer(&slots.background, at, Some(place_bytes));
         }
         if !no_background.is_empty() {
             let views = CarriedInto::new(context, painted, &no_background)?;
-            self.carry_layer(context, commands, painted, 0, &views, &slots.background);
+            recording.over_layer(carry, 0, &[&views.views, &views.into_cells, &slots.background]);
         }
         let views = CarriedInto::new(context, painted, &no_frame)?;
         for asked in &no_frame {
             let at = asked.place as u64 * place_bytes;
-            let encoder = &mut commands.encoder;
+            let encoder = &mut recording.commands.encoder;
             encoder.copy_buffer_to_buffer(&slots.background, at, &slots.frame, at, place_bytes);
         }
-        self.carry_layer(context, commands, painted, 1, &views, &slots.frame);
+        recording.over_layer(carry, 1, &[&views.views, &views.into_cells, &slots.frame]);
         let resources = [&views.views, &slots.frame, &slots.free].map(wgpu::Buffer::as_entire_binding);
         let group = bind(&context.device, &self.free_layout, resources);
-        let mut pass = commands.pass(Stage::FreeSpace, "seen");
+        let mut pass = recording.commands.pass(Stage::FreeSpace, "seen");
         pass.set_pipeline(&self.free);
         pass.set_bind_group(1, &group, &[]);
         let [across, down] = views.largest.map(|side| side.div_ceil(GROUP));
@@ -188,22 +186,6 @@ impl SeenCells {
             (slot.has_background, slot.has_frame) = (slot.camera.is_some(), slot.camera.is_some());
         }
         Ok(())
-    }
-
-    /// Carries the samples of a layer into cells.
-    fn carry_layer(
-        &self,
-        context: &Context,
-        commands: &mut Commands<'_>,
-        painted: Painted<'_>,
-        layer: usize,
-        views: &CarriedInto,
-        nearest: &wgpu::Buffer,
-    ) {
-        let resources = [&views.views, &views.into_cells, nearest].map(wgpu::Buffer::as_entire_binding);
-        let group = bind(&context.device, &self.carry_layout, resources);
-        let mut pass = commands.pass(Stage::FreeSpace, "seen");
-        over_layer(&mut pass, &self.carry, painted.scene, layer, &group);
     }
 }
 

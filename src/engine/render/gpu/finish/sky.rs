@@ -1,9 +1,8 @@
 //! The sky that cameras saw, by direction: the stages of `shaders/sky/`.
 
-use super::painted::{Known, Painted};
+use super::painted::{Known, Recording};
 use crate::error::Result;
 use crate::render::geometry::rays_in_world;
-use crate::render::gpu::commands::{Commands, over_layer};
 use crate::render::gpu::context::Context;
 use crate::render::gpu::layout::{GpuCameraRays, SUM_WORDS};
 use crate::render::gpu::pipelines::{Pipelines, READ, UNIFORM_AT, WRITE, bind, first_of, layout, pipeline};
@@ -89,65 +88,40 @@ impl Sky {
     }
 
     /// Records what finds the sky, as far as it is not known.
-    pub(super) fn record(
-        &mut self,
-        context: &Context,
-        commands: &mut Commands<'_>,
-        painted: Painted<'_>,
-        known: Known,
-    ) -> Result<()> {
+    pub(super) fn record(&mut self, recording: &mut Recording<'_, '_>, known: Known) -> Result<()> {
         let known = if self.grids.is_some() { known } else { Known { background: false, frame: false } };
         if known.frame {
             return Ok(());
         }
         let grids = match self.grids.take() {
             Some(grids) => grids,
-            None => SkyGrids::new(context)?,
+            None => SkyGrids::new(recording.context)?,
         };
-        let rays: Vec<GpuCameraRays> = painted.frame.set.cameras.iter().map(rays_of).collect();
-        let rays = list(context, "rays of cameras", &rays)?;
+        let rays: Vec<GpuCameraRays> = recording.painted.frame.set.cameras.iter().map(rays_of).collect();
+        let rays = list(recording.context, "rays of cameras", &rays)?;
+        let sum = ("sky", &self.sum, &self.sum_layout);
         if !known.background {
-            commands.encoder.clear_buffer(&grids.background, 0, None);
-            self.sum_layer(context, commands, painted, 0, (&rays, &grids.background));
+            recording.commands.encoder.clear_buffer(&grids.background, 0, None);
+            recording.over_layer(sum, 0, &[&rays, &grids.background]);
         }
-        commands.encoder.copy_buffer_to_buffer(
-            &grids.background,
-            0,
-            &grids.frame,
-            0,
-            grids.background.size(),
-        );
-        self.sum_layer(context, commands, painted, 1, (&rays, &grids.frame));
-        self.color_grids(context, commands, &grids);
+        let (encoder, bytes) = (&mut recording.commands.encoder, grids.background.size());
+        encoder.copy_buffer_to_buffer(&grids.background, 0, &grids.frame, 0, bytes);
+        recording.over_layer(sum, 1, &[&rays, &grids.frame]);
+        self.color_grids(recording, &grids);
         self.grids = Some(grids);
         Ok(())
     }
 
-    /// Adds the samples of a layer at infinity.
-    fn sum_layer(
-        &self,
-        context: &Context,
-        commands: &mut Commands<'_>,
-        painted: Painted<'_>,
-        layer: usize,
-        buffers: (&wgpu::Buffer, &wgpu::Buffer),
-    ) {
-        let resources = [buffers.0, buffers.1].map(wgpu::Buffer::as_entire_binding);
-        let group = bind(&context.device, &self.sum_layout, resources);
-        let mut pass = commands.pass(Stage::FreeSpace, "sky");
-        over_layer(&mut pass, &self.sum, painted.scene, layer, &group);
-    }
-
     /// Makes all grids, from the finest to the coarsest, and colors them, from the coarsest to the finest.
-    fn color_grids(&self, context: &Context, commands: &mut Commands<'_>, grids: &SkyGrids) {
+    fn color_grids(&self, recording: &mut Recording<'_, '_>, grids: &SkyGrids) {
         let resources = [
             first_of::<[u32; 4]>(&grids.levels),
             grids.frame.as_entire_binding(),
             grids.sums.as_entire_binding(),
             grids.environment.as_entire_binding(),
         ];
-        let group = bind(&context.device, &self.grid_layout, resources);
-        let mut pass = commands.pass(Stage::FreeSpace, "sky");
+        let group = bind(&recording.context.device, &self.grid_layout, resources);
+        let mut pass = recording.commands.pass(Stage::FreeSpace, "sky");
         let mut run = |pipeline: &wgpu::ComputePipeline, level: u32| {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &group, &[numbers_at(level as usize)]);

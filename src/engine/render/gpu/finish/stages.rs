@@ -19,68 +19,34 @@ const OPEN_STEP: usize = LEAST_STEPS - 1;
 /// Threads of a workgroup of `ray_masks.wgsl`.
 const MASKS_GROUP: u64 = 256;
 
-/// The compiled stages.
-#[derive(Debug)]
-pub(super) struct FinishStages {
-    pub(super) layout: wgpu::BindGroupLayout,
-    square_ranges: wgpu::ComputePipeline,
-    lines_of_sight: wgpu::ComputePipeline,
-    enclosed: wgpu::ComputePipeline,
-    open_holes: wgpu::ComputePipeline,
-    rims: wgpu::ComputePipeline,
-    holes: wgpu::ComputePipeline,
-    sky: wgpu::ComputePipeline,
-    ray_masks: wgpu::ComputePipeline,
-    open_sky: wgpu::ComputePipeline,
-    kinds: wgpu::ComputePipeline,
-    pull: wgpu::ComputePipeline,
-    fill: wgpu::ComputePipeline,
-    around: wgpu::ComputePipeline,
-    put_over: wgpu::ComputePipeline,
+/// The compiled stages, which are called as the shaders of [`FINISH`], in their order.
+macro_rules! stages {
+    ($($stage:ident)+) => {
+        /// The compiled stages.
+        #[derive(Debug)]
+        pub(super) struct FinishStages {
+            pub(super) layout: wgpu::BindGroupLayout,
+            $($stage: wgpu::ComputePipeline,)+
+        }
+
+        impl FinishStages {
+            /// Compiles the stages.
+            pub(super) fn new(context: &Context) -> Self {
+                let device = &context.device;
+                let bindings = [UNIFORM_AT, WRITE, WRITE, WRITE, WRITE, READ, READ, READ, WRITE, WRITE];
+                let layout = layout(device, "finish", &bindings);
+                let [$($stage),+] = FINISH.map(|shader| pipeline(device, &shader, &[None, Some(&layout)]));
+                Self { layout, $($stage),+ }
+            }
+        }
+    };
+}
+
+stages! {
+    square_ranges lines_of_sight enclosed open_holes rims holes sky ray_masks open_sky kinds pull fill around put_over
 }
 
 impl FinishStages {
-    /// Compiles the stages.
-    pub(super) fn new(context: &Context) -> Self {
-        let device = &context.device;
-        let bindings = [UNIFORM_AT, WRITE, WRITE, WRITE, WRITE, READ, READ, READ, WRITE, WRITE];
-        let layout = layout(device, "finish", &bindings);
-        let compiled = FINISH.map(|shader| pipeline(device, &shader, &[None, Some(&layout)]));
-        let [
-            square_ranges,
-            lines_of_sight,
-            enclosed,
-            open_holes,
-            rims,
-            holes,
-            sky,
-            ray_masks,
-            open_sky,
-            kinds,
-            pull,
-            fill,
-            around,
-            put_over,
-        ] = compiled;
-        Self {
-            layout,
-            square_ranges,
-            lines_of_sight,
-            enclosed,
-            open_holes,
-            rims,
-            holes,
-            sky,
-            ray_masks,
-            open_sky,
-            kinds,
-            pull,
-            fill,
-            around,
-            put_over,
-        }
-    }
-
     /// Marks holes of a picture whose lines of sight are tested.
     pub(super) fn mark_holes(
         &self,

@@ -29,7 +29,7 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::page::coarsened;
 use overlook_engine::plural::counted;
-use overlook_engine::render::film::{self, FilmEncoder, FilmSource};
+use overlook_engine::render::film::{self, FilmEncoder, FilmPicture, FilmSource};
 use overlook_engine::render::output::{write_exr, write_png};
 use overlook_engine::render::{CpuRenderer, Picture, Renderer, Vantage};
 use overlook_engine::samples::SampleSet;
@@ -71,7 +71,10 @@ pub(crate) fn write_path(
         (None, Some(look)) => {
             pictures::paint_looked(look, source, vantages, linear, &mut renderer, job, take)
         }
-        (None, None) => film::paint(source, vantages, None, &mut renderer, &export.settings, job, take),
+        (None, None) => {
+            let take = |nth: usize, shown: &FilmPicture| take(nth, &shown.picture);
+            film::paint(source, vantages, None, &mut renderer, &export.settings, job, take)
+        }
     };
     // The sides of a comparison are as they are displayed, and so is what the live view shows.
     let is_plain = compared.is_none() && look.is_none();
