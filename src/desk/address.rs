@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DQuat, DVec3};
 
-use overlook_engine::capture::{Intrinsics, Projection};
+use overlook_engine::capture::Intrinsics;
 
 /// Digits of a number behind its first: as many as no picture shows a difference of, even of a scene far from the origin.
 const DIGITS: usize = 11;
@@ -144,15 +144,7 @@ fn is_view(view: &[f64; OF_VIEW]) -> bool {
 fn lens_of([width, height, fx, fy, cx, cy]: [f64; 6]) -> Option<Intrinsics> {
     let is_side = |side: f64| (1.0..=LONGEST_SIDE).contains(&side) && side.fract() == 0.0;
     let is_lens = is_side(width) && is_side(height) && fx > 0.0 && fy > 0.0;
-    is_lens.then_some(Intrinsics {
-        width: width as u32,
-        height: height as u32,
-        fx,
-        fy,
-        cx,
-        cy,
-        projection: Projection::Perspective,
-    })
+    is_lens.then_some(Intrinsics { fy, cx, cy, ..Intrinsics::centered(width as u32, height as u32, fx) })
 }
 
 /// Exactly so many finite numbers, parted by commas.

@@ -5,7 +5,6 @@ use exr::prelude::FlatSamples;
 use glam::{DVec2, DVec3};
 use half::f16;
 use image::{ImageBuffer, Luma, Rgba};
-use overlook_engine::capture::Projection;
 use overlook_engine::capture::transforms;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
@@ -97,15 +96,7 @@ fn a_position_pass_gives_planar_depth_whatever_the_depth_channel_says() {
 fn mitsubas_distance_along_the_ray_becomes_planar() {
     let folder = Folder::new();
     let near = 0.5;
-    let intrinsics = overlook_engine::capture::Intrinsics {
-        width: 6,
-        height: 4,
-        fx: 3.0,
-        fy: 3.0,
-        cx: 3.0,
-        cy: 2.0,
-        projection: Projection::Perspective,
-    };
+    let intrinsics = overlook_engine::capture::Intrinsics::centered(6, 4, 3.0);
     let mut distance: Vec<f32> = (0..PIXELS)
         .map(|i| DVec2::new((i % SIZE.0) as f64 + 0.5, (i / SIZE.0) as f64 + 0.5))
         .map(|pixel| ((2.0 - near) * intrinsics.ray_in_camera(pixel).length()) as f32)

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::transforms::{self, write_capture};
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, Projection, TruthView, Values,
+    Camera, Capture, CaptureParts, Frame, FrameSource, Intrinsics, TruthView, Values,
 };
 use overlook_engine::error::{Error, Result};
 use overlook_engine::grid::Grid;
@@ -47,15 +47,7 @@ impl FrameSource for Numbers {
 
 fn numbers() -> (Capture, Vec<TruthView>) {
     let camera = |index: usize| {
-        let intrinsics = Intrinsics {
-            width: 5 + index as u32,
-            height: 3,
-            fx: 4.0,
-            fy: 4.5,
-            cx: 2.25,
-            cy: 1.5,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics { fy: 4.5, cx: 2.25, ..Intrinsics::centered(5 + index as u32, 3, 4.0) };
         let eye = DVec3::new(0.25 * index as f64, -4.0, 0.125);
         Camera::look_at(format!("cam {index}"), intrinsics, eye, DVec3::ZERO, DVec3::Z)
     };

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use half::f16;
 use overlook_engine::capture::{
-    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics, Projection, Values,
+    Camera, Capture, CaptureParts, Frame, FrameSource, INVALID_INVERSE_DEPTH, Intrinsics, Values,
 };
 use overlook_engine::error::Result;
 use overlook_engine::grid::Grid;
@@ -39,16 +39,7 @@ pub(crate) fn block(x: [f64; 2], y: [f64; 2], z: [f64; 2], color: [f32; 3]) -> B
 
 /// A camera at `(x, y, 0)` whose focal length is its width.
 pub(crate) fn eye(x: f64, y: f64, size: u32) -> Camera {
-    let (focal, center) = (f64::from(size), f64::from(size) / 2.0);
-    let intrinsics = Intrinsics {
-        width: size,
-        height: size,
-        fx: focal,
-        fy: focal,
-        cx: center,
-        cy: center,
-        projection: Projection::Perspective,
-    };
+    let intrinsics = Intrinsics::centered(size, size, f64::from(size));
     Camera {
         name: format!("eye at {x}, {y}"),
         intrinsics,

@@ -4,22 +4,14 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use half::f16;
-use overlook_engine::capture::{Camera, Intrinsics, Projection};
+use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::samples::{DepthPlane, SampleImage, SampleSet, SampleTile, Span, TILE};
 use overlook_engine::settings::Settings;
 
 /// A camera at `eye` that looks along +z with y down, its focal length being its width: angles are simple ratios.
 pub(crate) fn plain_camera(name: &str, eye: DVec3, width: u32, height: u32) -> Camera {
     let focal = f64::from(width.max(1));
-    let intrinsics = Intrinsics {
-        width,
-        height,
-        fx: focal,
-        fy: focal,
-        cx: f64::from(width) / 2.0,
-        cy: f64::from(height) / 2.0,
-        projection: Projection::Perspective,
-    };
+    let intrinsics = Intrinsics::centered(width, height, focal);
     Camera {
         name: name.to_owned(),
         intrinsics,

@@ -132,13 +132,10 @@ fn fine_detail_does_not_alias_at_four_times_the_minification() {
     let samples = samples(&capture, PruningMethod::HighestRate);
     let k = above.intrinsics;
     let intrinsics = Intrinsics {
-        width: 64,
-        height: 64,
-        fx: k.fx / 4.0,
         fy: k.fy / 4.0,
         cx: k.cx / 4.0 + 0.3,
         cy: k.cy / 4.0 + 0.2,
-        projection: Projection::Perspective,
+        ..Intrinsics::centered(64, 64, k.fx / 4.0)
     };
     let vantage = Camera { intrinsics, ..above };
     let spread = |kernel| {

@@ -167,19 +167,10 @@ impl Matches<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Projection;
 
     #[test]
     fn the_unknowns_of_a_lens_lead_back_to_it() {
-        let depth = Intrinsics {
-            width: 64,
-            height: 48,
-            fx: 60.0,
-            fy: 60.0,
-            cx: 32.0,
-            cy: 24.0,
-            projection: Projection::Perspective,
-        };
+        let depth = Intrinsics::centered(64, 48, 60.0);
         let step = [-0.1, 0.01, -0.02, 0.03, 0.02, 0.01, -0.01, 0.005, -0.004];
         let lens = ColorLens::of_depth(depth).moved(&step, &depth, 2.0);
         assert!((lens.intrinsics.fx / depth.fx - (-0.1_f64).exp()).abs() < 1e-12);

@@ -59,20 +59,26 @@ pub enum PixelSide {
 }
 
 impl Intrinsics {
-    /// A camera of `width × height` square pixels with the principal point in the middle and the given horizontal
-    /// angle of view in radians.
+    /// A pinhole camera of `width × height` square pixels with the principal point in the middle and this focal length in pixels.
     #[must_use]
-    pub fn from_horizontal_angle(width: u32, height: u32, angle_x_rad: f64) -> Self {
-        let focal_px = f64::from(width) / (2.0 * (angle_x_rad / 2.0).tan());
+    pub const fn centered(width: u32, height: u32, focal_px: f64) -> Self {
         Self {
             width,
             height,
             fx: focal_px,
             fy: focal_px,
-            cx: f64::from(width) / 2.0,
-            cy: f64::from(height) / 2.0,
+            cx: width as f64 / 2.0,
+            cy: height as f64 / 2.0,
             projection: Projection::Perspective,
         }
+    }
+
+    /// A camera of `width × height` square pixels with the principal point in the middle and the given horizontal
+    /// angle of view in radians.
+    #[must_use]
+    pub fn from_horizontal_angle(width: u32, height: u32, angle_x_rad: f64) -> Self {
+        let focal_px = f64::from(width) / (2.0 * (angle_x_rad / 2.0).tan());
+        Self::centered(width, height, focal_px)
     }
 
     /// An orthographic camera of `width × height` square pixels that shows `width_in_world` world units from its left edge to its right
@@ -80,15 +86,8 @@ impl Intrinsics {
     #[must_use]
     pub fn orthographic(width: u32, height: u32, width_in_world: f64) -> Self {
         let pixels_per_unit = f64::from(width) / width_in_world;
-        Self {
-            width,
-            height,
-            fx: pixels_per_unit,
-            fy: pixels_per_unit,
-            cx: f64::from(width) / 2.0,
-            cy: f64::from(height) / 2.0,
-            projection: Projection::Orthographic,
-        }
+        let lens = Self::centered(width, height, pixels_per_unit);
+        Self { projection: Projection::Orthographic, ..lens }
     }
 
     /// Whether lines of sight are parallel.

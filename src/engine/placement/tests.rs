@@ -1,6 +1,5 @@
 use std::sync::Arc;
 
-use crate::capture::Projection;
 use glam::{DVec2, DVec3};
 use half::f16;
 
@@ -44,15 +43,7 @@ struct Scene {
     cameras: Vec<Camera>,
 }
 
-const LENS: Intrinsics = Intrinsics {
-    width: 64,
-    height: 48,
-    fx: 56.0,
-    fy: 56.0,
-    cx: 32.0,
-    cy: 24.0,
-    projection: Projection::Perspective,
-};
+const LENS: Intrinsics = Intrinsics::centered(64, 48, 56.0);
 
 impl FrameSource for Scene {
     fn load(&self, camera: usize, _frame: usize) -> Result<Frame> {

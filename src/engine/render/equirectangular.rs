@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::vantage::{Picture, Vantage};
-use crate::capture::{self, Camera, Intrinsics};
+use crate::capture::{Camera, Intrinsics};
 use crate::grid::Grid;
 use crate::settings::choice::choice;
 
@@ -44,15 +44,7 @@ pub const FACE_COUNT: usize = FACES.len();
 fn lens(width: u32) -> Intrinsics {
     let focal = f64::from(width.max(4) / 4);
     let side = 2 * (width.max(4) / 4 + MARGIN);
-    Intrinsics {
-        width: side,
-        height: side,
-        fx: focal,
-        fy: focal,
-        cx: f64::from(side) / 2.0,
-        cy: f64::from(side) / 2.0,
-        projection: capture::Projection::Perspective,
-    }
+    Intrinsics::centered(side, side, focal)
 }
 
 /// What has to be rendered for the equirectangular picture of `width` columns around a viewpoint. The horizon is level: `up` is the
@@ -150,15 +142,7 @@ mod tests {
     use super::*;
 
     fn vantage(eye: DVec3, target: DVec3) -> Vantage {
-        let lens = Intrinsics {
-            width: 64,
-            height: 48,
-            fx: 70.0,
-            fy: 70.0,
-            cx: 32.0,
-            cy: 24.0,
-            projection: capture::Projection::Perspective,
-        };
+        let lens = Intrinsics::centered(64, 48, 70.0);
         Vantage { camera: Camera::look_at("path", lens, eye, target, DVec3::Z), frame: 3 }
     }
 

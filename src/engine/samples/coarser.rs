@@ -164,19 +164,10 @@ impl SampleImage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Projection;
     use crate::samples::Span;
     use glam::DAffine3;
 
-    const LENS: Intrinsics = Intrinsics {
-        width: 64,
-        height: 64,
-        fx: 1000.0,
-        fy: 1000.0,
-        cx: 32.0,
-        cy: 32.0,
-        projection: Projection::Perspective,
-    };
+    const LENS: Intrinsics = Intrinsics::centered(64, 64, 1000.0);
 
     /// Column, row, color and inverse depth of a sample.
     type Listed = (usize, usize, f32, f32);
@@ -263,15 +254,7 @@ mod tests {
 
     #[test]
     fn a_halved_camera_sees_every_point_at_half_its_column_and_row() {
-        let intrinsics = Intrinsics {
-            width: 31,
-            height: 20,
-            fx: 40.0,
-            fy: 44.0,
-            cx: 15.0,
-            cy: 9.0,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics { fy: 44.0, cx: 15.0, cy: 9.0, ..Intrinsics::centered(31, 20, 40.0) };
         let camera = Camera { name: "c".into(), intrinsics, world_from_camera: DAffine3::IDENTITY };
         let half = halved_camera(&camera);
         assert_eq!(half.intrinsics.size(), (16, 10));

@@ -150,21 +150,13 @@ pub(super) fn byte(value: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::{Intrinsics, Projection};
+    use crate::capture::Intrinsics;
     use crate::samples::Sample;
     use crate::splats::space::Axes;
     use glam::{DAffine3, DVec2};
 
     fn camera() -> Camera {
-        let intrinsics = Intrinsics {
-            width: 200,
-            height: 100,
-            fx: 100.0,
-            fy: 100.0,
-            cx: 100.0,
-            cy: 50.0,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics::centered(200, 100, 100.0);
         let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.8, 1.1);
         let world_from_camera = DAffine3::from_rotation_translation(turned, DVec3::new(3.0, -1.0, 0.5));
         Camera { name: "c".into(), intrinsics, world_from_camera }

@@ -12,7 +12,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::model::{RecordedView, RivalModel, deflated};
 use super::splat::Splatter;
-use overlook_engine::capture::{Camera, Intrinsics, Projection};
+use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
 use overlook_engine::render::Picture;
 
@@ -136,15 +136,8 @@ fn middle_camera(views: &[RecordedView]) -> Camera {
     let focal = [mean(&|camera| camera.intrinsics.fx), mean(&|camera| camera.intrinsics.fy)];
     let [right, bottom] = reach(views, &camera);
     let sides = [right * focal[0], bottom * focal[1]].map(|half| (half.ceil() as u32).max(1));
-    camera.intrinsics = Intrinsics {
-        width: 2 * sides[0],
-        height: 2 * sides[1],
-        fx: focal[0],
-        fy: focal[1],
-        cx: f64::from(sides[0]),
-        cy: f64::from(sides[1]),
-        projection: Projection::Perspective,
-    };
+    camera.intrinsics =
+        Intrinsics { fy: focal[1], ..Intrinsics::centered(2 * sides[0], 2 * sides[1], focal[0]) };
     camera
 }
 

@@ -112,20 +112,12 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use overlook_engine::capture::{Camera, Frame, Intrinsics, Projection, Values};
+    use overlook_engine::capture::{Camera, Frame, Intrinsics, Values};
     use overlook_engine::grid::Grid;
 
     /// A camera at `x` that looks along +z, at a slope of gray stripes that is 3 away in the middle.
     pub(super) fn slope(x: f64) -> RecordedView {
-        let intrinsics = Intrinsics {
-            width: 48,
-            height: 32,
-            fx: 40.0,
-            fy: 40.0,
-            cx: 24.0,
-            cy: 16.0,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics::centered(48, 32, 40.0);
         let mut camera = Camera::look_at("c", intrinsics, DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         camera.world_from_camera.translation.x = x;
         // z = 3 + 0.5 X, where X = x + z ray.

@@ -125,19 +125,10 @@ fn edges(inverse_depth: &Grid<f32>) -> Grid<bool> {
 mod tests {
     use super::*;
     use glam::DVec3;
-    use overlook_engine::capture::Projection;
 
     /// A camera at `x` that looks along +z, at a wall 4 away whose left half is covered by a board 2 away.
     fn recorded(x: f64, board: bool) -> RecordedView {
-        let intrinsics = Intrinsics {
-            width: 32,
-            height: 8,
-            fx: 16.0,
-            fy: 16.0,
-            cx: 16.0,
-            cy: 4.0,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics::centered(32, 8, 16.0);
         let mut camera = Camera::look_at("c", intrinsics, DVec3::ZERO, DVec3::Z, DVec3::NEG_Y);
         camera.world_from_camera.translation.x = x;
         let depth = |column: usize, _: usize| {

@@ -17,13 +17,10 @@ fn lens(step: usize) -> Intrinsics {
 fn halved(lens: Intrinsics) -> Intrinsics {
     let Intrinsics { width, height, fx, fy, cx, cy, .. } = lens;
     Intrinsics {
-        width: width / 2,
-        height: height / 2,
-        fx: fx / 2.0,
         fy: fy / 2.0,
         cx: cx / 2.0,
         cy: cy / 2.0,
-        projection: Projection::Perspective,
+        ..Intrinsics::centered(width / 2, height / 2, fx / 2.0)
     }
 }
 

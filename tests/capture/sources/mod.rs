@@ -13,22 +13,14 @@ use std::fmt::Write;
 use crate::folder::Folder;
 use glam::{DAffine3, DQuat};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
-use overlook_engine::capture::{self, Camera, Capture, Intrinsics, Projection, Source};
+use overlook_engine::capture::{self, Camera, Capture, Intrinsics, Source};
 use overlook_engine::error::Result;
 use overlook_engine::settings::CaptureSettings;
 use serde_json::json;
 
 const VIEWS: usize = 3;
 /// With pixel centers at +0.5.
-const LENS: Intrinsics = Intrinsics {
-    width: 64,
-    height: 48,
-    fx: 60.0,
-    fy: 58.0,
-    cx: 32.5,
-    cy: 23.0,
-    projection: Projection::Perspective,
-};
+const LENS: Intrinsics = Intrinsics { fy: 58.0, cx: 32.5, cy: 23.0, ..Intrinsics::centered(64, 48, 60.0) };
 
 fn picture(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -112,15 +104,7 @@ fn refusal(folder: &Folder) -> String {
 
 /// The lens that TUM's third sensor has, for pictures of its size cut to a tenth would be another: so in full size.
 fn tum_lens() -> Intrinsics {
-    Intrinsics {
-        width: 640,
-        height: 480,
-        fx: 535.4,
-        fy: 539.2,
-        cx: 320.6,
-        cy: 248.1,
-        projection: Projection::Perspective,
-    }
+    Intrinsics { fy: 539.2, cx: 320.6, cy: 248.1, ..Intrinsics::centered(640, 480, 535.4) }
 }
 
 fn write_tum(folder: &Folder) {
@@ -157,15 +141,7 @@ fn tum_pairs_stamps_and_leaves_out_what_has_no_partner() {
 
 /// The sensor's default lens.
 fn sensor() -> Intrinsics {
-    Intrinsics {
-        width: 640,
-        height: 480,
-        fx: 525.0,
-        fy: 525.0,
-        cx: 320.0,
-        cy: 240.0,
-        projection: Projection::Perspective,
-    }
+    Intrinsics::centered(640, 480, 525.0)
 }
 
 #[test]
@@ -227,15 +203,7 @@ fn seven_scenes_is_read_from_its_sequences_and_65535_is_no_depth() {
 #[test]
 fn scannet_depth_has_a_lens_and_a_size_of_its_own_and_lost_poses_are_left_out() {
     let folder = Folder::new();
-    let small = Intrinsics {
-        width: 40,
-        height: 30,
-        fx: 36.0,
-        fy: 36.0,
-        cx: 20.2,
-        cy: 15.1,
-        projection: Projection::Perspective,
-    };
+    let small = Intrinsics { cx: 20.2, cy: 15.1, ..Intrinsics::centered(40, 30, 36.0) };
     for (step, camera) in cameras(LENS).iter().enumerate() {
         folder.put(&format!("color/{}.jpg", step * 9), &color(camera, ImageFormat::Jpeg));
         folder.put(&format!("depth/{}.png", step * 9), &depth_png(&scene::camera(step, small), 1000.0));
@@ -321,13 +289,10 @@ fn manifest(folder: &Folder, keys: serde_json::Value, ending: &str) -> Result<Ca
 #[test]
 fn nerfstudio_depth_may_be_smaller_in_numpy_or_tiff_and_its_unit_a_divisor() {
     let small = Intrinsics {
-        width: 32,
-        height: 24,
-        fx: LENS.fx / 2.0,
         fy: LENS.fy / 2.0,
         cx: LENS.cx / 2.0,
         cy: LENS.cy / 2.0,
-        projection: Projection::Perspective,
+        ..Intrinsics::centered(32, 24, LENS.fx / 2.0)
     };
     let folder = Folder::new();
     for step in 0..VIEWS {

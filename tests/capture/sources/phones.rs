@@ -1,20 +1,11 @@
 //! Apps of phones with a depth sensor: small depth beside large color, confidence, `ARKit`'s axes.
 
 use glam::DVec3;
-use overlook_engine::capture::Projection;
 
 use super::*;
 
 /// Depth has half the pixels of color.
-const SMALL: Intrinsics = Intrinsics {
-    width: 32,
-    height: 24,
-    fx: 30.0,
-    fy: 29.0,
-    cx: 16.25,
-    cy: 11.5,
-    projection: Projection::Perspective,
-};
+const SMALL: Intrinsics = Intrinsics { fy: 29.0, cx: 16.25, cy: 11.5, ..Intrinsics::centered(32, 24, 30.0) };
 
 /// Up of `ARKit`'s world is y: the scene lies on its back, and cameras look along −z.
 fn arkit(camera: &Camera) -> DAffine3 {

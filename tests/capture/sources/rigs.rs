@@ -1,7 +1,6 @@
 //! Rigs of several cameras: some with separate color and depth cameras, some with depth that is none.
 
 use glam::{DMat3, DVec2, DVec3};
-use overlook_engine::capture::Projection;
 
 use super::*;
 
@@ -17,15 +16,7 @@ fn msr_world() -> DAffine3 {
 
 /// Writes the scene as Microsoft Research's Breakdancers; the calibration is of this text where it is given.
 fn write_msr(folder: &Folder) -> String {
-    let lens = Intrinsics {
-        width: 48,
-        height: 36,
-        fx: 24.0,
-        fy: 23.5,
-        cx: 24.2,
-        cy: 17.6,
-        projection: Projection::Perspective,
-    };
+    let lens = Intrinsics { fy: 23.5, cx: 24.2, cy: 17.6, ..Intrinsics::centered(48, 36, 24.0) };
     let world = msr_world();
     let mut calibration = String::new();
     for (index, camera) in cameras(lens).iter().enumerate() {
@@ -165,24 +156,8 @@ fn bent_depth(camera: &Camera) -> Vec<u8> {
 fn livescan3d_carries_depth_of_the_sensors_own_lens_into_its_color_camera() {
     let folder = Folder::new();
     // The whole sensors: color has 4:3, of which 16:9 shows the middle; depth has 512×512, of which 320×288 are shown.
-    let color_lens = Intrinsics {
-        width: 128,
-        height: 72,
-        fx: 130.0,
-        fy: 128.0,
-        cx: 65.0,
-        cy: 37.0,
-        projection: Projection::Perspective,
-    };
-    let depth_lens = Intrinsics {
-        width: 320,
-        height: 288,
-        fx: 252.0,
-        fy: 252.5,
-        cx: 161.0,
-        cy: 143.0,
-        projection: Projection::Perspective,
-    };
+    let color_lens = Intrinsics { fy: 128.0, cx: 65.0, cy: 37.0, ..Intrinsics::centered(128, 72, 130.0) };
+    let depth_lens = Intrinsics { fy: 252.5, cx: 161.0, cy: 143.0, ..Intrinsics::centered(320, 288, 252.0) };
     let color_from_depth =
         DAffine3::from_rotation_translation(DQuat::from_rotation_x(0.02), DVec3::new(-0.032, -0.002, 0.004));
     let mut log = String::new();

@@ -269,18 +269,9 @@ impl VectorLoop for DepthRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Projection;
 
     fn camera() -> Camera {
-        let intrinsics = Intrinsics {
-            width: 9,
-            height: 7,
-            fx: 5.0,
-            fy: 6.0,
-            cx: 4.0,
-            cy: 3.0,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics { fy: 6.0, cx: 4.0, cy: 3.0, ..Intrinsics::centered(9, 7, 5.0) };
         Camera::look_at("c", intrinsics, DVec3::new(1.0, -4.0, 2.0), DVec3::new(0.5, 0.0, 0.0), DVec3::Z)
     }
 

@@ -174,29 +174,12 @@ fn draw([a, b, c]: [Vertex; 3], size: (usize, usize), target: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Projection;
 
-    const COLOR: Intrinsics = Intrinsics {
-        width: 60,
-        height: 40,
-        fx: 50.0,
-        fy: 50.0,
-        cx: 30.0,
-        cy: 20.0,
-        projection: Projection::Perspective,
-    };
+    const COLOR: Intrinsics = Intrinsics::centered(60, 40, 50.0);
 
     fn grid(distortion: Option<Distortion>, shift: DVec3) -> DepthGrid {
         DepthGrid {
-            intrinsics: Intrinsics {
-                width: 24,
-                height: 16,
-                fx: 18.0,
-                fy: 18.0,
-                cx: 12.0,
-                cy: 8.0,
-                projection: Projection::Perspective,
-            },
+            intrinsics: Intrinsics::centered(24, 16, 18.0),
             distortion,
             color_from_depth: DAffine3::from_translation(shift),
         }

@@ -55,19 +55,10 @@ impl Sources {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Projection;
 
     #[test]
     fn a_pixel_shows_what_the_lens_put_elsewhere() {
-        let intrinsics = Intrinsics {
-            width: 40,
-            height: 30,
-            fx: 30.0,
-            fy: 30.0,
-            cx: 20.0,
-            cy: 15.0,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics::centered(40, 30, 30.0);
         let lens = Distortion::radial_tangential([0.3, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 2]).unwrap();
         let sources = sources(&intrinsics, &lens);
         let plane: Vec<f32> = (0..1200).map(|i| (i % 40) as f32 + 0.5).collect();

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::lens::LensKeys;
 use super::pose;
-use crate::capture::camera::{Camera, Intrinsics, Projection};
+use crate::capture::camera::{Camera, Intrinsics};
 use crate::capture::pictures::{DepthGrid, Distortion};
 use crate::capture::pose_convention::PoseConvention;
 use crate::error::{Error, Result};
@@ -76,13 +76,10 @@ impl DepthCamera {
             self.world_from_camera.map_or(DAffine3::IDENTITY, |world| color.camera_from_world() * world);
         DepthGrid {
             intrinsics: Intrinsics {
-                width: width as u32,
-                height: height as u32,
-                fx: self.focal_px.0,
                 fy: self.focal_px.1,
                 cx: self.center_px.0.unwrap_or(0.5 * width as f64),
                 cy: self.center_px.1.unwrap_or(0.5 * height as f64),
-                projection: Projection::Perspective,
+                ..Intrinsics::centered(width as u32, height as u32, self.focal_px.0)
             },
             distortion: self.distortion,
             color_from_depth,

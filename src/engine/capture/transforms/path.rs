@@ -228,18 +228,9 @@ fn views_of(manifest: &Manifest, place: &Path, folder: Option<&Path>) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Projection;
 
     fn view(x: f64, frame_number: i64, is_key: bool) -> PathView {
-        let lens = Intrinsics {
-            width: 64,
-            height: 48,
-            fx: 70.5,
-            fy: 71.25,
-            cx: 31.0,
-            cy: 25.5,
-            projection: Projection::Perspective,
-        };
+        let lens = Intrinsics { fy: 71.25, cx: 31.0, cy: 25.5, ..Intrinsics::centered(64, 48, 70.5) };
         let camera = Camera::look_at("path", lens, DVec3::new(x, -5.0, 1.0), DVec3::ZERO, DVec3::Z);
         PathView { camera, frame_number, is_key }
     }

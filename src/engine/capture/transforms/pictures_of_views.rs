@@ -96,21 +96,13 @@ fn pictures_in(folder: &Path, depth: usize) -> Vec<PathBuf> {
 mod tests {
     use super::*;
     use crate::capture::transforms::pose;
-    use crate::capture::{Camera, Intrinsics, Projection, TruthLoader};
+    use crate::capture::{Camera, Intrinsics, TruthLoader};
     use glam::DVec3;
     use serde_json::{Value, json};
 
     /// Views from two places at two frames, without truth.
     fn views() -> Vec<TruthView> {
-        let intrinsics = Intrinsics {
-            width: 4,
-            height: 3,
-            fx: 5.0,
-            fy: 5.0,
-            cx: 2.0,
-            cy: 1.5,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics::centered(4, 3, 5.0);
         let view = |place: usize, frame: i64| {
             let position = DVec3::new(place as f64, -3.0, 1.0);
             let camera = Camera::look_at(format!("at{place}"), intrinsics, position, DVec3::ZERO, DVec3::Z);

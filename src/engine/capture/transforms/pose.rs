@@ -103,7 +103,7 @@ fn orthonormal(matrix: DMat3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::camera::{Camera, Intrinsics, Projection};
+    use crate::capture::camera::{Camera, Intrinsics};
     use glam::DVec2;
 
     #[test]
@@ -120,15 +120,7 @@ mod tests {
     #[test]
     fn the_documented_unprojection_of_opengl_cameras_is_ours() {
         let (eye, target) = (DVec3::new(3.0, -4.0, 2.0), DVec3::new(0.0, 1.0, 0.5));
-        let intrinsics = Intrinsics {
-            width: 8,
-            height: 6,
-            fx: 7.0,
-            fy: 9.0,
-            cx: 3.5,
-            cy: 3.25,
-            projection: Projection::Perspective,
-        };
+        let intrinsics = Intrinsics { fy: 9.0, cx: 3.5, cy: 3.25, ..Intrinsics::centered(8, 6, 7.0) };
         let camera = Camera::look_at("c", intrinsics, eye, target, DVec3::Z);
         let m = opengl_matrix(&camera.world_from_camera);
         let (i, j, z) = (2.0, 5.0, 4.0);

@@ -4,24 +4,14 @@ use glam::DVec3;
 use half::f16;
 
 use super::*;
-use overlook_engine::capture::{
-    Camera, CaptureParts, Frame, FrameSource, Intrinsics, Projection, TruthView, Values,
-};
+use overlook_engine::capture::{Camera, CaptureParts, Frame, FrameSource, Intrinsics, TruthView, Values};
 use overlook_engine::grid::Grid;
 
 /// Cameras before a wall, each at its own x and distance.
 struct Wall(Vec<Camera>);
 
 /// Each sees a stretch of the wall that is 2 wide and 1 high.
-const LENS: Intrinsics = Intrinsics {
-    width: 64,
-    height: 32,
-    fx: 64.0,
-    fy: 64.0,
-    cx: 32.0,
-    cy: 16.0,
-    projection: Projection::Perspective,
-};
+const LENS: Intrinsics = Intrinsics::centered(64, 32, 64.0);
 
 impl Wall {
     fn camera(name: &str, x: f64, distance: f64) -> Camera {

@@ -190,7 +190,6 @@ fn lens_between([from, to]: [Intrinsics; 2], share: f64) -> Intrinsics {
 mod tests {
     use super::*;
     use crate::app::rooms::path::Turntable;
-    use overlook_engine::capture::Projection;
 
     #[test]
     fn the_path_goes_through_its_keys() {
@@ -210,15 +209,7 @@ mod tests {
     fn the_lens_zooms_from_each_key_to_the_next_and_the_last_one_is_reached() {
         let mut path = CameraPath::for_tests(&[DVec3::ZERO, DVec3::X]);
         let wide = path.keys[0].orbit.lens;
-        let zoomed = Intrinsics {
-            fx: 6.0 * wide.fx,
-            fy: 6.0 * wide.fy,
-            cx: 96.0,
-            cy: 72.0,
-            width: 192,
-            height: 144,
-            projection: Projection::Perspective,
-        };
+        let zoomed = Intrinsics { fy: 6.0 * wide.fy, ..Intrinsics::centered(192, 144, 6.0 * wide.fx) };
         path.keys[1].orbit.lens = zoomed;
         let focal = |picture: f32| {
             let camera = path.at(picture).unwrap().orbit.camera(640, 480);

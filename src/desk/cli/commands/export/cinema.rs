@@ -9,7 +9,7 @@ use crate::app::pivot_of_store;
 use crate::cli::input::{RenderingArgs, StoreArgs};
 use crate::cli::output::{self, CommandError, PicturePaths};
 use overlook_engine::capture::cinema::{AngleRange, DatabaseCamera, DatabaseRow, grid, write_table};
-use overlook_engine::capture::{Camera, Intrinsics, Projection};
+use overlook_engine::capture::{Camera, Intrinsics};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
@@ -109,16 +109,7 @@ impl CinemaArgs {
                 let pose = camera.world_from_camera().zip(camera.focal_length_px(f64::from(height)));
                 // Straight from above no direction is up.
                 let Some((world_from_camera, focal)) = pose else { continue };
-                let [cx, cy] = [width, height].map(|side| 0.5 * f64::from(side));
-                let intrinsics = Intrinsics {
-                    width,
-                    height,
-                    fx: focal,
-                    fy: focal,
-                    cx,
-                    cy,
-                    projection: Projection::Perspective,
-                };
+                let intrinsics = Intrinsics::centered(width, height, focal);
                 let camera_of = Camera { name: format!("view {nth}"), intrinsics, world_from_camera };
                 vantages.push(Vantage { camera: camera_of, frame });
                 let files = ["png", "exr"].map(|extension| format!("{number:04}_{nth:04}.{extension}"));
