@@ -10,6 +10,10 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// How points of camera space come into the picture.
+///
+/// A pinhole camera far behind cannot stand for an orthographic one. It would also look through what lies behind the picture plane, and
+/// pruning drops what cameras look through. Its lines of sight spread, and its depths are rounded: by a fifth of a pixel and a tenth of a
+/// footprint at 1,000 columns, where the sum is least.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Projection {
