@@ -20,7 +20,7 @@ use crate::samples::SampleSet;
 /// How far the camera goes back, in widths of the picture.
 const WIDTHS_BACK: f64 = 500.0;
 
-/// Of so many samples of an image one is asked how far away it is.
+/// One in this many samples of an image is asked how far away it is.
 const STRIDE: usize = 61;
 
 /// An orthographic picture that can be rendered.

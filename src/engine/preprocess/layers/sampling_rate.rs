@@ -68,7 +68,7 @@ pub(crate) struct ViewingRays {
     pub(crate) pixel_area: f32,
     /// `1 / min(fx, fy)²`: the square of a pixel's longer side at depth 1; the area where pixels are square.
     longer_side_squared: f32,
-    /// Of an orthographic camera what stands for the depth in the paper's rate.
+    /// What stands for the depth in the paper's rate for an orthographic camera.
     scale: Option<f32>,
 }
 
