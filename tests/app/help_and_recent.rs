@@ -54,7 +54,7 @@ fn the_help_menu_has_the_guide_the_keys_and_mouse_and_the_version_with_the_adapt
         }
         if entry == "Guide" {
             let place = window.query_all_by_label_contains(texts[0]).next().unwrap().rect();
-            let menus = window.get_by_label("Help").rect();
+            let menus = window.get_by_role_and_label(Role::Button, "Help").rect();
             assert!(place.left() > SIZE[0] / 2.0 && place.top() > menus.bottom(), "{place}");
             for (link, text) in [("SCIENCE.md", "For scientists"), ("Guide", texts[1])] {
                 window.get_by_role_and_label(Role::Link, link).click();

@@ -214,7 +214,11 @@ mod tests {
     fn threads_may_stand_before_and_after_a_command_and_a_path() {
         let read =
             |arguments: &str| Cli::read(format!("overlook {arguments}").split(' ').map(OsString::from));
-        for arguments in ["--threads 2 settings", "settings --threads 2", "--threads=2 settings --json"] {
+        for arguments in [
+            "--threads 2 settings",
+            "settings --threads 2",
+            "--threads=2 settings --set pruning.overlap=false",
+        ] {
             let cli = read(arguments).unwrap();
             assert!(
                 matches!(cli.command, Some(CliCommand::Settings(_))) && cli.path.is_none(),

@@ -73,9 +73,8 @@ pub(crate) struct RenderingArgs {
 }
 
 impl RenderingArgs {
-    /// The settings for a store.
+    /// The settings for a store. `settings.only("render")` has refused others before the store was opened.
     pub(crate) fn of_store(&self, info: &StoreInfo) -> Result<RenderSettings, CommandError> {
-        self.settings.only("render")?;
         let mut settings = self.settings.over(info.settings.clone())?.render;
         self.painting.apply(&mut settings);
         Ok(settings)

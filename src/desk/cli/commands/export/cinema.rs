@@ -58,6 +58,7 @@ impl CinemaArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.from.check_out(&self.out, None)?;
         self.rendering.settings.refuse_inputs(&self.out)?;
+        self.rendering.settings.only("render")?;
         let playback = self.from.open()?;
         let settings = self.rendering.of_store(playback.store().info())?;
         let views = self.viewpoints(&playback)?;

@@ -133,6 +133,7 @@ impl FigureArgs {
             let what = "a store holds no recorded pictures; give the capture that it was made of";
             return Err(Error::invalid("--overlay", what).into());
         }
+        self.rendering.settings.only("render")?;
         let playback = std::sync::Arc::new(self.edits.open_store(place)?);
         let info = playback.store().info();
         let settings = self.rendering.of_store(info)?;

@@ -85,6 +85,7 @@ impl FilmArgs {
             return Err(Error::invalid("--width", what).into());
         }
         whole_file::refuse_pipe(&self.path)?;
+        self.rendering.settings.only("render")?;
         let playback = self.from.open()?;
         let info = playback.store().info();
         let settings = self.rendering.of_store(info)?;

@@ -52,6 +52,7 @@ impl RenderArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         output::check_folder(&self.out)?;
         whole_file::refuse_pipe(&self.views)?;
+        self.rendering.settings.only("render")?;
         let playback = self.from.open()?;
         let settings = self.rendering.of_store(playback.store().info())?;
         let place = self.from.store.display().to_string();

@@ -48,13 +48,16 @@ fn grid_ui(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
 
 fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
     heading_ui(ui, "Lens");
-    let mut degrees = orbit.angle_of_view() * 180.0 / PI;
+    let before = orbit.angle_of_view() * 180.0 / PI;
+    let mut degrees = before;
     let range = ANGLES_OF_VIEW.map(|angle| angle * 180.0 / PI);
     ui.horizontal(|ui| {
         ui.label("Field of view");
         let slider = Slider::new(&mut degrees, range[0]..=range[1]).suffix("°").max_decimals(1);
         let slider = ui.add(slider).accessible_name("Field of view");
-        if slider.on_hover_text("Horizontal angle that the lens sees.").changed() {
+        slider.on_hover_text("Horizontal angle that the lens sees.");
+        // The slider rounds to a tenth of a degree, which nobody asked for.
+        if (degrees - before).abs() > 0.05 {
             sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angle_of_view(degrees * PI / 180.0)));
         }
     });
@@ -157,7 +160,9 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
         let mut speed = state.live.fly_speed;
         let slider = Slider::new(&mut speed, FLY_SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
         let help = "Speed of W A S D, Q E; [ and ] change it, Shift is four times as fast.";
-        if ui.add(slider).accessible_name("Fly speed").on_hover_text(help).changed() {
+        ui.add(slider).accessible_name("Fly speed").on_hover_text(help);
+        // The slider rounds to a hundredth.
+        if (speed - state.live.fly_speed).abs() > 0.005 {
             sent.push(ViewCommand::look(&state.live, |live| live.fly_speed = speed));
         }
         ui.end_row();
