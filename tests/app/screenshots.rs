@@ -1,9 +1,9 @@
-//! Pictures of the window. With `OVERLOOK_UPDATE_SCREENSHOTS=1` they are written to `screenshots/` (by `cargo test --release`, as
-//! they show how long things take); otherwise smaller ones are drawn and checked to hold something.
+//! Pictures of the window, and what each has to show: texts, a theme, and pictures within it. With `OVERLOOK_UPDATE_SCREENSHOTS=1` they
+//! are written to `screenshots/` (by `cargo test --release`, as they show how long things take); otherwise smaller ones are drawn.
 
 use super::driver::{
     Window, choose, click, demo, drag, look_at, measure, open, open_share, open_view, pick, save_store,
-    settle, wait,
+    settle, shows, wait,
 };
 use egui_kittest::kittest::Queryable;
 use image::{GrayImage, RgbImage, RgbaImage};
@@ -18,11 +18,113 @@ pub(super) fn orrery() -> overlook::app::Start {
     if updating() { demo(5, 16, (400, 300)) } else { demo(3, 3, (64, 48)) }
 }
 
-fn shoot(window: &mut Window, name: &str) {
+/// How a picture within the window looks.
+#[derive(Clone, Copy, Debug)]
+enum Look {
+    /// As a camera records the scene: many colors, few of them strong, none of them everywhere.
+    Recorded,
+    /// In the colors of the first three cameras.
+    ByCamera,
+    /// In the light colors of a diverging map.
+    Diverging,
+    /// In dark violet, but where two pictures differ.
+    Difference,
+    /// In this many colors at least.
+    Colors(usize),
+}
+
+/// The share of all pixels that the condition holds for.
+fn share(picture: &RgbaImage, holds: impl Fn([u8; 3]) -> bool) -> f64 {
+    let all = f64::from(picture.width() * picture.height());
+    picture.pixels().filter(|pixel| holds([pixel.0[0], pixel.0[1], pixel.0[2]])).count() as f64 / all
+}
+
+/// The difference of the largest and the smallest channel.
+fn chroma(color: [u8; 3]) -> u8 {
+    color.iter().max().unwrap() - color.iter().min().unwrap()
+}
+
+/// Whether a strong color has its hue in this range of degrees.
+fn has_hue([r, g, b]: [u8; 3], degrees: std::ops::Range<f64>) -> bool {
+    let [red, green, blue] = [r, g, b].map(f64::from);
+    let hue = (3_f64.sqrt() * (green - blue)).atan2(2.0 * red - green - blue).to_degrees();
+    chroma([r, g, b]) > 50 && degrees.contains(&hue.rem_euclid(360.0))
+}
+
+fn brightness(color: [u8; 3]) -> u32 {
+    color.iter().map(|channel| u32::from(*channel)).sum::<u32>() / 3
+}
+
+impl Look {
+    /// The look of a part of the window in numbers, for a picture that has another one.
+    fn check(self, part: &RgbaImage, place: &str) {
+        let mut counts = HashMap::new();
+        for pixel in part.pixels() {
+            *counts.entry(pixel.0).or_insert(0_usize) += 1;
+        }
+        let is_strong = share(part, |color| chroma(color) > 90);
+        let commonest = *counts.values().max().unwrap() as f64 / f64::from(part.width() * part.height());
+        let hue = |degrees: std::ops::Range<f64>| share(part, |color| has_hue(color, degrees.clone()));
+        let bright = share(part, |color| brightness(color) > 180);
+        let found = format!(
+            "{place} {self:?}: {} colors, {commonest:.3} of one, {is_strong:.3} strong, {bright:.3} bright, hues {:.3} {:.3} {:.3} {:.3}",
+            counts.len(),
+            hue(190.0..215.0),
+            hue(25.0..50.0),
+            hue(150.0..175.0),
+            hue(270.0..310.0)
+        );
+        println!("{found}");
+        let holds = match self {
+            Self::Recorded => counts.len() > 500 && commonest < 0.4 && is_strong < 0.4,
+            Self::ByCamera => {
+                [190.0..215.0, 25.0..50.0, 150.0..175.0].into_iter().all(|camera| hue(camera) > 0.03)
+            }
+            Self::Diverging => bright > 0.3,
+            Self::Difference => hue(270.0..310.0) > 0.2,
+            Self::Colors(least) => counts.len() >= least,
+        };
+        assert!(holds, "{found}");
+    }
+}
+
+/// What a picture of the window has to show.
+struct Shown<'a> {
+    is_dark: bool,
+    texts: &'a [&'a str],
+    pictures: &'a [(&'a str, Look)],
+}
+
+/// A part of a picture of the window, by its accessible name.
+fn part_of(window: &Window, picture: &RgbaImage, name: &str) -> RgbaImage {
+    let [x, y, width, height] = {
+        let area = window.get_by_label(name).rect();
+        [area.min.x, area.min.y, area.width(), area.height()].map(|side| side as u32)
+    };
+    image::imageops::crop_imm(picture, x, y, width, height).to_image()
+}
+
+fn shoot(window: &mut Window, name: &str, shown: &Shown<'_>) {
     window.run_steps(4);
     let picture =
         window.render().expect("no adapter to draw with: install a Vulkan driver (mesa-vulkan-drivers)");
-    check(&picture, name);
+    if std::env::var_os("DUMP").is_some() {
+        let labels: Vec<String> = window
+            .root()
+            .children_recursive()
+            .filter_map(|node| egui_kittest::kittest::NodeT::accesskit_node(&node).label())
+            .collect();
+        println!("== {name}: {labels:?}");
+    }
+    for text in shown.texts {
+        assert!(shows(window, text), "{name} does not say {text:?}");
+    }
+    let dark = share(&picture, |color| brightness(color) < 60);
+    println!("{name}: {dark:.3} dark");
+    assert!(if shown.is_dark { dark > 0.5 } else { dark < 0.2 }, "{name}: {dark} of it is dark");
+    for (place, look) in shown.pictures {
+        look.check(&part_of(window, &picture, place), &format!("{name}, {place}"));
+    }
     if updating() {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("screenshots");
         std::fs::create_dir_all(&folder).unwrap();
@@ -104,58 +206,106 @@ fn with_palette(indices: &GrayImage, palette: &[[u8; 3]]) -> Vec<u8> {
     bytes
 }
 
-/// A picture holds something where it has many colors and no single one covers it all.
-fn check(picture: &RgbaImage, name: &str) {
-    let mut counts = HashMap::new();
-    for pixel in picture.pixels() {
-        *counts.entry(pixel.0).or_insert(0_usize) += 1;
-    }
-    let most = counts.values().copied().max().unwrap_or(0);
-    let pixels = (picture.width() * picture.height()) as usize;
-    assert!(counts.len() > 100, "{name}: only {} colors", counts.len());
-    assert!(most < pixels * 9 / 10, "{name}: almost blank");
-}
-
 #[test]
 fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     let mut window = open(orrery(), [1280.0, 800.0]);
     settle(&mut window);
-    shoot(&mut window, "main_dark");
+    shoot(
+        &mut window,
+        "main_dark",
+        &Shown {
+            is_dark: true,
+            texts: &["orrery", "Samples kept", "Frame 1 of", "Ready"],
+            pictures: &[("Source picture", Look::Recorded), ("Live picture", Look::Recorded)],
+        },
+    );
     choose(&mut window, "Source shows", "Kept by");
     choose(&mut window, "Live view shows", "Camera");
     click(&mut window, "Report");
     look_at(&mut window, "Source picture", egui::vec2(0.62, 0.55));
     settle(&mut window);
-    shoot(&mut window, "who_won");
+    shoot(
+        &mut window,
+        "who_won",
+        &Shown {
+            is_dark: true,
+            texts: &["What was dropped, and why", "Which camera replaces which", "this pixel"],
+            pictures: &[("Source picture", Look::ByCamera), ("Live picture", Look::ByCamera)],
+        },
+    );
     open_view(&mut window, "Cameras");
     settle(&mut window);
-    shoot(&mut window, "cameras");
+    shoot(
+        &mut window,
+        "cameras",
+        &Shown {
+            is_dark: true,
+            texts: &["% kept", "this pixel"],
+            pictures: &[("Live picture", Look::ByCamera)],
+        },
+    );
     choose(&mut window, "Source shows", "Sampling");
     choose(&mut window, "Live view shows", "Sampling");
     click(&mut window, "Settings");
     settle(&mut window);
-    shoot(&mut window, "sampling_ratio");
+    shoot(
+        &mut window,
+        "sampling_ratio",
+        &Shown {
+            is_dark: true,
+            texts: &["this camera denser", "denser than pixels", "Depth tolerance"],
+            pictures: &[("Source picture", Look::Diverging), ("Live picture", Look::Diverging)],
+        },
+    );
     choose(&mut window, "Live view shows", "Picture");
     open_view(&mut window, "Compare");
     open_view(&mut window, "Time");
-    shoot(&mut window, "compare_wipe");
+    shoot(
+        &mut window,
+        "compare_wipe",
+        &Shown {
+            is_dark: true,
+            texts: &["All samples", "Kept samples"],
+            pictures: &[("Comparison", Look::Recorded), ("Source picture", Look::Diverging)],
+        },
+    );
     choose(&mut window, "Compare by", "Difference");
     pick(&mut window, "Left side", "Truth");
     pick(&mut window, "From", "Camera left, held out");
     open_view(&mut window, "Memory");
     settle(&mut window);
-    shoot(&mut window, "compare_truth");
+    shoot(
+        &mut window,
+        "compare_truth",
+        &Shown {
+            is_dark: true,
+            texts: &["PSNR", "in memory, by camera"],
+            pictures: &[("Comparison", Look::Difference)],
+        },
+    );
     open_view(&mut window, "Live view");
     choose(&mut window, "Source shows", "Motion");
     window.set_size(egui::vec2(1920.0, 1080.0));
     choose(&mut window, "Live view shows", "Picture");
     click(&mut window, "Light theme");
     settle(&mut window);
-    shoot(&mut window, "main_light");
+    shoot(
+        &mut window,
+        "main_light",
+        &Shown { is_dark: false, texts: &["Samples kept"], pictures: &[("Live picture", Look::Recorded)] },
+    );
     choose(&mut window, "Source shows", "Tiles");
     click(&mut window, "Report");
     settle(&mut window);
-    shoot(&mut window, "tiles_light");
+    shoot(
+        &mut window,
+        "tiles_light",
+        &Shown {
+            is_dark: false,
+            texts: &["What was dropped, and why"],
+            pictures: &[("Live picture", Look::Recorded)],
+        },
+    );
 }
 
 #[test]
@@ -165,14 +315,22 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     click(&mut window, "Light theme");
     look_at(&mut window, "Live picture", egui::vec2(0.4, 0.6));
     settle(&mut window);
-    shoot(&mut window, "small_light");
+    shoot(
+        &mut window,
+        "small_light",
+        &Shown {
+            is_dark: false,
+            texts: &["this pixel"],
+            pictures: &[("Source picture", Look::Recorded), ("Live picture", Look::Recorded)],
+        },
+    );
     click(&mut window, "Dark theme");
     window.set_size(egui::vec2(1280.0, 800.0));
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::P);
     window.run_steps(3);
     window.get_by_label("Command").type_text("set render");
     window.run_steps(3);
-    shoot(&mut window, "palette");
+    shoot(&mut window, "palette", &Shown { is_dark: true, texts: &["Do: Kernel"], pictures: &[] });
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
     open_view(&mut window, "Camera path");
@@ -181,16 +339,24 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     window.key_press(egui::Key::K);
     choose(&mut window, "Live view shows", "Motion");
     settle(&mut window);
-    shoot(&mut window, "camera_path");
+    shoot(&mut window, "camera_path", &Shown { is_dark: true, texts: &["Key 1", "Key 2"], pictures: &[] });
     open_share(&mut window, "Interactive page");
-    shoot(&mut window, "share");
+    shoot(
+        &mut window,
+        "share",
+        &Shown { is_dark: true, texts: &["Interactive page: about", "Title of the page"], pictures: &[] },
+    );
     click(&mut window, "Close sharing");
     open_view(&mut window, "Log");
     open_view(&mut window, "Sweep");
     measure(&mut window, "Run a sweep…");
     let points = if updating() { "12 settings; click one" } else { "1 setting; click it" };
     wait(&mut window, "the points", |window| window.query_all_by_label_contains(points).next().is_some());
-    shoot(&mut window, "sweep");
+    shoot(
+        &mut window,
+        "sweep",
+        &Shown { is_dark: true, texts: &["Pareto front"], pictures: &[("Sweep chart", Look::Colors(20))] },
+    );
     window.key_press(egui::Key::Escape);
 }
 
@@ -203,22 +369,34 @@ fn the_window_shows_a_store_without_source_frames() {
     let mut window = open(overlook::app::Start::Path(path), [1280.0, 800.0]);
     wait(&mut window, "the store", |window| window.state().observed().scene_name.is_some());
     settle(&mut window);
-    shoot(&mut window, "store");
+    shoot(
+        &mut window,
+        "store",
+        &Shown { is_dark: true, texts: &["orrery"], pictures: &[("Live picture", Look::Recorded)] },
+    );
 }
 
 #[test]
 fn the_window_shows_that_it_is_loading_and_what_went_wrong() {
     let mut window = open(orrery(), [1280.0, 800.0]);
-    shoot(&mut window, "opening");
+    shoot(&mut window, "opening", &Shown { is_dark: true, texts: &[], pictures: &[] });
     wait(&mut window, "the first picture", |window| window.state().observed().live_coverage.is_some());
-    shoot(&mut window, "loading");
+    shoot(
+        &mut window,
+        "loading",
+        &Shown { is_dark: true, texts: &["orrery"], pictures: &[("Live picture", Look::Recorded)] },
+    );
     let missing = overlook::app::Start::Path("/no/such/folder/capture.ovl".into());
     let mut window = open(missing, [1280.0, 800.0]);
     wait(&mut window, "the error", |window| !window.state().observed().notices.is_empty());
     // It is drawn with the next picture of the window.
     window.run_steps(2);
     assert!(window.query_by_label("Dismiss").is_some());
-    shoot(&mut window, "error");
+    shoot(
+        &mut window,
+        "error",
+        &Shown { is_dark: true, texts: &["/no/such/folder/capture.ovl", "Dismiss"], pictures: &[] },
+    );
 }
 
 #[test]
