@@ -4,7 +4,6 @@ mod budget_args;
 mod fingerprint;
 mod open;
 mod options;
-mod part_args;
 mod truth;
 mod value_args;
 
@@ -14,6 +13,5 @@ pub(crate) use budget_args::BudgetArgs;
 pub(crate) use fingerprint::{capture_state, pictures_state};
 pub(crate) use open::{EditsArgs, RenderingArgs, StoreArgs, frame_index, open_capture};
 pub(crate) use options::{HoldOutArgs, PaintingArgs, SettingsArgs, amount, choice, only_cameras};
-pub(crate) use part_args::PartArgs;
 pub(crate) use truth::TruthArgs;
 pub(crate) use value_args::{BarredValueArgs, ShownValue, ValueArgs};

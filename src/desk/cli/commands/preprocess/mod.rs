@@ -11,19 +11,32 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::cli::input::{self, HoldOutArgs, PartArgs, SettingsArgs};
+use crate::cli::input::{self, HoldOutArgs, SettingsArgs};
 use crate::cli::output::{self, CommandError};
 use crate::pruned_store;
 use overlook_engine::capture::{self, Capture};
 use overlook_engine::edits::{self, EditList};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
-use overlook_engine::part::Part;
+use overlook_engine::part::{MOST_PARTS, Part};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::{CameraReport, PixelAccount, Report};
 use overlook_engine::settings::{CaptureSettings, Settings, SpanLevels};
 use overlook_lab::truth::{self, ViewCorrections};
 use stages::{PreprocessStage, Stages};
+
+/// Which part of the work to do, or to put parts together.
+#[derive(Debug, Args)]
+struct PartArgs {
+    /// Do one part of the work, as in `--part 2/6`: the second of six. Several machines can each do one. The part becomes one file
+    /// beside the results, complete or not there at all.
+    #[arg(long, value_name = "K/N", conflicts_with = "join")]
+    part: Option<Part>,
+    /// Put N parts together that --part made: the results are those of one piece of work. A part whose input has changed since is
+    /// refused.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PARTS)))]
+    join: Option<u32>,
+}
 
 #[derive(Debug, Args)]
 pub(crate) struct PreprocessArgs {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use egui::{
     Checkbox, DragValue, Grid, Label, Popup, PopupCloseBehavior, Rect, Response, RichText, ScrollArea, Sense,
-    Slider, TextEdit, Ui, vec2,
+    Slider, SliderClamping, TextEdit, Ui, vec2,
 };
 use egui_material_icons::icons::{
     ICON_BOOKMARK_ADD, ICON_CONTENT_COPY, ICON_CONTENT_PASTE, ICON_DELETE, ICON_LINK, ICON_PLACE,
@@ -24,7 +24,6 @@ use crate::app::widgets::{
 /// Frames of the window for which the panel scrolls to what was asked for: it may lie behind another then.
 const NEW: u64 = 4;
 
-/// The panel.
 pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(orbit) = &state.live.orbit else { return };
     let mut sent = Vec::new();
@@ -48,16 +47,14 @@ fn grid_ui(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
 
 fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
     heading_ui(ui, "Lens");
-    let before = orbit.angle_of_view() * 180.0 / PI;
-    let mut degrees = before;
+    let mut degrees = orbit.angle_of_view() * 180.0 / PI;
     let range = ANGLES_OF_VIEW.map(|angle| angle * 180.0 / PI);
     ui.horizontal(|ui| {
         ui.label("Field of view");
         let slider = Slider::new(&mut degrees, range[0]..=range[1]).suffix("°").max_decimals(1);
-        let slider = ui.add(slider).accessible_name("Field of view");
-        slider.on_hover_text("Horizontal angle that the lens sees.");
-        // The slider rounds to a tenth of a degree, which nobody asked for.
-        if (degrees - before).abs() > 0.05 {
+        // A value that is only shown is not rounded: that would count as a change.
+        let slider = ui.add(slider.clamping(SliderClamping::Edits)).accessible_name("Field of view");
+        if slider.on_hover_text("Horizontal angle that the lens sees.").changed() {
             sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angle_of_view(degrees * PI / 180.0)));
         }
     });
@@ -160,9 +157,8 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
         let mut speed = state.live.fly_speed;
         let slider = Slider::new(&mut speed, FLY_SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
         let help = "Speed of W A S D, Q E; [ and ] change it, Shift is four times as fast.";
-        ui.add(slider).accessible_name("Fly speed").on_hover_text(help);
-        // The slider rounds to a hundredth.
-        if (speed - state.live.fly_speed).abs() > 0.005 {
+        let slider = slider.clamping(SliderClamping::Edits);
+        if ui.add(slider).accessible_name("Fly speed").on_hover_text(help).changed() {
             sent.push(ViewCommand::look(&state.live, |live| live.fly_speed = speed));
         }
         ui.end_row();
@@ -201,7 +197,6 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
 /// Room for the button behind a name, points.
 const BUTTON: f32 = 30.0;
 
-/// The section of the panel.
 pub(crate) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
     let kept = &state.doc.kept_views;
     for (index, kept) in kept.iter().enumerate() {
