@@ -134,7 +134,7 @@ fn at_the_usual_size_no_button_above_a_chart_is_cut_and_nothing_covers_the_legen
         let charts = ["Copy", "Save"].iter().map(|verb| format!("{verb} the sweep chart"));
         for name in tables.chain(charts) {
             let button = window.get_by_label(&name).rect();
-            assert!(button.width() > 40.0 && button.height() < 30.0, "{name} at {size:?}: {button}");
+            assert!(button.width() > 50.0 && button.height() < 30.0, "{name} at {size:?}: {button}");
             assert!(button.bottom() <= chart.top(), "{name} at {size:?}: {button}, {chart}");
         }
         assert!(window.get_by_label("Pareto front").rect().bottom() <= chart.top() + 1.0);
