@@ -88,13 +88,6 @@ impl Look {
     }
 }
 
-/// What a picture of the window has to show.
-struct Shown<'a> {
-    is_dark: bool,
-    texts: &'a [&'a str],
-    pictures: &'a [(&'a str, Look)],
-}
-
 /// A part of a picture of the window, by its accessible name.
 fn part_of(window: &Window, picture: &RgbaImage, name: &str) -> RgbaImage {
     let [x, y, width, height] = {
@@ -104,16 +97,18 @@ fn part_of(window: &Window, picture: &RgbaImage, name: &str) -> RgbaImage {
     image::imageops::crop_imm(picture, x, y, width, height).to_image()
 }
 
-fn shoot(window: &mut Window, name: &str, shown: &Shown<'_>) {
+/// Takes a picture of the window, which has to say the texts and to have each look in the part of an accessible name. The theme is
+/// light where the name says so.
+fn shoot(window: &mut Window, name: &str, texts: &[&str], pictures: &[(&str, Look)]) {
     window.run_steps(4);
     let picture =
         window.render().expect("no adapter to draw with: install a Vulkan driver (mesa-vulkan-drivers)");
-    for text in shown.texts {
+    for text in texts {
         assert!(shows(window, text), "{name} does not say {text:?}");
     }
     let dark = share(&picture, |color| brightness(color) < 60);
-    assert!(if shown.is_dark { dark > 0.5 } else { dark < 0.2 }, "{name}: {dark} of it is dark");
-    for (place, look) in shown.pictures {
+    assert!(if name.ends_with("_light") { dark < 0.2 } else { dark > 0.5 }, "{name}: {dark} of it is dark");
+    for (place, look) in pictures {
         look.check(&part_of(window, &picture, place), &format!("{name}, {place}"));
     }
     if updating() {
@@ -204,11 +199,8 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     shoot(
         &mut window,
         "main_dark",
-        &Shown {
-            is_dark: true,
-            texts: &["orrery", "Samples kept", "Frame 1 of", "Ready"],
-            pictures: &[("Source picture", Look::Recorded), ("Live picture", Look::Recorded)],
-        },
+        &["orrery", "Samples kept", "Frame 1 of", "Ready"],
+        &[("Source picture", Look::Recorded), ("Live picture", Look::Recorded)],
     );
     choose(&mut window, "Source shows", "Kept by");
     choose(&mut window, "Live view shows", "Camera");
@@ -218,23 +210,12 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     shoot(
         &mut window,
         "who_won",
-        &Shown {
-            is_dark: true,
-            texts: &["What was dropped, and why", "Which camera replaces which", "this pixel"],
-            pictures: &[("Source picture", Look::ByCamera), ("Live picture", Look::ByCamera)],
-        },
+        &["What was dropped, and why", "Which camera replaces which", "this pixel"],
+        &[("Source picture", Look::ByCamera), ("Live picture", Look::ByCamera)],
     );
     open_view(&mut window, "Cameras");
     settle(&mut window);
-    shoot(
-        &mut window,
-        "cameras",
-        &Shown {
-            is_dark: true,
-            texts: &["Which camera replaces which"],
-            pictures: &[("Live picture", Look::ByCamera)],
-        },
-    );
+    shoot(&mut window, "cameras", &["Which camera replaces which"], &[("Live picture", Look::ByCamera)]);
     choose(&mut window, "Source shows", "Sampling");
     choose(&mut window, "Live view shows", "Sampling");
     click(&mut window, "Settings");
@@ -242,11 +223,8 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     shoot(
         &mut window,
         "sampling_ratio",
-        &Shown {
-            is_dark: true,
-            texts: &["this camera denser", "denser than pixels", "Depth tolerance"],
-            pictures: &[("Source picture", Look::Diverging), ("Live picture", Look::Diverging)],
-        },
+        &["this camera denser", "denser than pixels", "Depth tolerance"],
+        &[("Source picture", Look::Diverging), ("Live picture", Look::Diverging)],
     );
     choose(&mut window, "Live view shows", "Picture");
     open_view(&mut window, "Compare");
@@ -254,11 +232,8 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     shoot(
         &mut window,
         "compare_wipe",
-        &Shown {
-            is_dark: true,
-            texts: &["Left side"],
-            pictures: &[("Comparison", Look::Recorded), ("Source picture", Look::Diverging)],
-        },
+        &["Left side"],
+        &[("Comparison", Look::Recorded), ("Source picture", Look::Diverging)],
     );
     choose(&mut window, "Compare by", "Difference");
     pick(&mut window, "Left side", "Truth");
@@ -268,11 +243,8 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     shoot(
         &mut window,
         "compare_truth",
-        &Shown {
-            is_dark: true,
-            texts: &["PSNR", "in memory, by camera"],
-            pictures: &[("Comparison", Look::Difference)],
-        },
+        &["PSNR", "in memory, by camera"],
+        &[("Comparison", Look::Difference)],
     );
     open_view(&mut window, "Live view");
     choose(&mut window, "Source shows", "Motion");
@@ -280,23 +252,11 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     choose(&mut window, "Live view shows", "Picture");
     click(&mut window, "Light theme");
     settle(&mut window);
-    shoot(
-        &mut window,
-        "main_light",
-        &Shown { is_dark: false, texts: &["Samples kept"], pictures: &[("Live picture", Look::Recorded)] },
-    );
+    shoot(&mut window, "main_light", &["Samples kept"], &[("Live picture", Look::Recorded)]);
     choose(&mut window, "Source shows", "Tiles");
     click(&mut window, "Report");
     settle(&mut window);
-    shoot(
-        &mut window,
-        "tiles_light",
-        &Shown {
-            is_dark: false,
-            texts: &["What was dropped, and why"],
-            pictures: &[("Live picture", Look::Recorded)],
-        },
-    );
+    shoot(&mut window, "tiles_light", &["What was dropped, and why"], &[("Live picture", Look::Recorded)]);
 }
 
 #[test]
@@ -309,11 +269,8 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     shoot(
         &mut window,
         "small_light",
-        &Shown {
-            is_dark: false,
-            texts: &["this pixel"],
-            pictures: &[("Source picture", Look::Recorded), ("Live picture", Look::Recorded)],
-        },
+        &["this pixel"],
+        &[("Source picture", Look::Recorded), ("Live picture", Look::Recorded)],
     );
     click(&mut window, "Dark theme");
     window.set_size(egui::vec2(1280.0, 800.0));
@@ -321,7 +278,7 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     window.run_steps(3);
     window.get_by_label("Command").type_text("set render");
     window.run_steps(3);
-    shoot(&mut window, "palette", &Shown { is_dark: true, texts: &["Kernel"], pictures: &[] });
+    shoot(&mut window, "palette", &["Kernel"], &[]);
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
     open_view(&mut window, "Camera path");
@@ -330,24 +287,16 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     window.key_press(egui::Key::K);
     choose(&mut window, "Live view shows", "Motion");
     settle(&mut window);
-    shoot(&mut window, "camera_path", &Shown { is_dark: true, texts: &["Key 1", "Key 2"], pictures: &[] });
+    shoot(&mut window, "camera_path", &["Key 1", "Key 2"], &[]);
     open_share(&mut window, "Interactive page");
-    shoot(
-        &mut window,
-        "share",
-        &Shown { is_dark: true, texts: &["Interactive page: about", "Title of the page"], pictures: &[] },
-    );
+    shoot(&mut window, "share", &["Interactive page: about", "Title of the page"], &[]);
     click(&mut window, "Close sharing");
     open_view(&mut window, "Log");
     open_view(&mut window, "Sweep");
     measure(&mut window, "Run a sweep…");
     let points = if updating() { "12 settings; click one" } else { "1 setting; click it" };
     wait(&mut window, "the points", |window| window.query_all_by_label_contains(points).next().is_some());
-    shoot(
-        &mut window,
-        "sweep",
-        &Shown { is_dark: true, texts: &["Pareto front"], pictures: &[("Sweep chart", Look::Colors(20))] },
-    );
+    shoot(&mut window, "sweep", &["Pareto front"], &[("Sweep chart", Look::Colors(20))]);
     window.key_press(egui::Key::Escape);
 }
 
@@ -360,34 +309,22 @@ fn the_window_shows_a_store_without_source_frames() {
     let mut window = open(overlook::app::Start::Path(path), [1280.0, 800.0]);
     wait(&mut window, "the store", |window| window.state().observed().scene_name.is_some());
     settle(&mut window);
-    shoot(
-        &mut window,
-        "store",
-        &Shown { is_dark: true, texts: &["orrery"], pictures: &[("Live picture", Look::Recorded)] },
-    );
+    shoot(&mut window, "store", &["orrery"], &[("Live picture", Look::Recorded)]);
 }
 
 #[test]
 fn the_window_shows_that_it_is_loading_and_what_went_wrong() {
     let mut window = open(orrery(), [1280.0, 800.0]);
-    shoot(&mut window, "opening", &Shown { is_dark: true, texts: &[], pictures: &[] });
+    shoot(&mut window, "opening", &[], &[]);
     wait(&mut window, "the first picture", |window| window.state().observed().live_coverage.is_some());
-    shoot(
-        &mut window,
-        "loading",
-        &Shown { is_dark: true, texts: &["orrery"], pictures: &[("Live picture", Look::Recorded)] },
-    );
+    shoot(&mut window, "loading", &["orrery"], &[("Live picture", Look::Recorded)]);
     let missing = overlook::app::Start::Path("/no/such/folder/capture.ovl".into());
     let mut window = open(missing, [1280.0, 800.0]);
     wait(&mut window, "the error", |window| !window.state().observed().notices.is_empty());
     // It is drawn with the next picture of the window.
     window.run_steps(2);
     assert!(window.query_by_label("Dismiss").is_some());
-    shoot(
-        &mut window,
-        "error",
-        &Shown { is_dark: true, texts: &["/no/such/folder/capture.ovl", "Dismiss"], pictures: &[] },
-    );
+    shoot(&mut window, "error", &["/no/such/folder/capture.ovl", "Dismiss"], &[]);
 }
 
 #[test]

@@ -222,7 +222,7 @@ fn write_span(writer: &mut RecordWriter<'_>, span: Span) -> Result<()> {
     writer.number(span.end.into())
 }
 
-/// Joins what [`scan_part`](self()) wrote of all runs, in order, and writes the samples of all spans that no run holds
+/// Joins what [`scan_part`] wrote of all runs, in order, and writes the samples of all spans that no run holds
 /// as a whole or that were open at its end.
 ///
 /// # Errors
@@ -321,8 +321,8 @@ pub fn scan_parts_read_by(frames: usize, part: Part) -> Vec<Part> {
     Part::all(part.of()).filter(is_read).collect()
 }
 
-/// Prunes the frames of a part: `spans` is what [`join_spans`](self()) wrote, `scans` what
-/// [`scan_part`](self()) wrote of [`scan_parts_read_by`] the part, each with its name for errors. Writes the images that
+/// Prunes the frames of a part: `spans` is what [`join_spans`] wrote, `scans` what
+/// [`scan_part`] wrote of [`scan_parts_read_by`] the part, each with its name for errors. Writes the images that
 /// are kept, and what was counted.
 ///
 /// # Errors
@@ -396,7 +396,7 @@ fn read_scan<'a>(
     Ok(TemporalScan::of_parts(frames, lenses, cameras, store, settings))
 }
 
-/// Joins what [`prune_part`](self()) wrote of all runs, in order, each with its name for errors, and applies edits to it.
+/// Joins what [`prune_part`] wrote of all runs, in order, each with its name for errors, and applies edits to it.
 /// `cameras` are all, those that edits leave out among them; `removed` is the sum of [`MeasuredCapture::removed_pixels`] over all parts.
 ///
 /// # Errors
