@@ -86,7 +86,7 @@ fn only_the_best_single_camera(points: &mut Vec<Point>) {
 /// The default at its worst view of each of the `count` worst vantages of a sweep's `points`, the worst first.
 ///
 /// # Errors
-/// As [`run`](run).
+/// As [`run`].
 pub fn worst_views(
     capture: &Capture,
     plan: &SweepPlan,
