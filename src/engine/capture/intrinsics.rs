@@ -150,6 +150,16 @@ impl Intrinsics {
         }
     }
 
+    /// The lens of the same picture with other columns and rows.
+    #[must_use]
+    pub fn resized(&self, width: u32, height: u32) -> Self {
+        let (across, down) =
+            (f64::from(width) / f64::from(self.width), f64::from(height) / f64::from(self.height));
+        let [fx, cx] = [self.fx, self.cx].map(|pixels| pixels * across);
+        let [fy, cy] = [self.fy, self.cy].map(|pixels| pixels * down);
+        Self { width, height, fx, fy, cx, cy, ..*self }
+    }
+
     /// The lens of a pinhole camera that shows what is at this depth as large; a pinhole camera's own.
     #[must_use]
     pub fn in_perspective_from(&self, depth: f64) -> Self {

@@ -110,14 +110,6 @@ pub(crate) fn shared_grid(
         );
         return Err(Error::invalid(place, what));
     }
-    let intrinsics = Intrinsics {
-        width: width as u32,
-        height: height as u32,
-        fx: own.fx * sx,
-        fy: own.fy * sy,
-        cx: own.cx * sx,
-        cy: own.cy * sy,
-        projection: own.projection,
-    };
+    let intrinsics = own.resized(width as u32, height as u32);
     Ok(DepthGrid { intrinsics, distortion, color_from_depth: DAffine3::IDENTITY })
 }

@@ -10,7 +10,7 @@ use egui::TextureId;
 use crate::address::ViewAddress;
 use crate::app::model::camera::OrbitCamera;
 use crate::app::model::state::State;
-use overlook_engine::capture::{Camera, Intrinsics};
+use overlook_engine::capture::Camera;
 use overlook_engine::grid::Grid;
 
 /// What the live view shows.
@@ -50,27 +50,13 @@ impl State {
     /// picture shows it. Before the first picture, that of the view.
     pub(crate) fn seen_camera(&self, size: [u32; 2]) -> Option<Camera> {
         match self.live_seen() {
-            Some(seen) => Some(stretched(seen.camera, size)),
+            Some(seen) => {
+                let intrinsics = seen.camera.intrinsics.resized(size[0], size[1]);
+                Some(Camera { intrinsics, ..seen.camera.clone() })
+            }
             None => self.live_camera(size),
         }
     }
-}
-
-/// A camera whose picture is stretched to another size.
-fn stretched(camera: &Camera, [width, height]: [u32; 2]) -> Camera {
-    let lens = camera.intrinsics;
-    let [across, down] =
-        [f64::from(width) / f64::from(lens.width), f64::from(height) / f64::from(lens.height)];
-    let intrinsics = Intrinsics {
-        width,
-        height,
-        fx: lens.fx * across,
-        fy: lens.fy * down,
-        cx: lens.cx * across,
-        cy: lens.cy * down,
-        projection: lens.projection,
-    };
-    Camera { intrinsics, ..camera.clone() }
 }
 
 impl State {

@@ -9,7 +9,7 @@ use crate::app::{self, Overlay};
 use crate::cli::input::{self, EditsArgs, RenderingArgs, ValueArgs};
 use crate::cli::output::{self, CommandError};
 use crate::ways_out::figure::{FIGURE, FigureOptions, one_of};
-use overlook_engine::capture::{Camera, Intrinsics};
+use overlook_engine::capture::Camera;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::film::{self, FilmPicture, FilmSource};
 use overlook_engine::render::output::shown_values;
@@ -196,16 +196,6 @@ fn camera_named(cameras: &[Camera], name: Option<&str>, place: &Path) -> Result<
 fn of_columns(camera: &Camera, columns: u32) -> Camera {
     let lens = camera.intrinsics;
     let factor = f64::from(columns) / f64::from(lens.width);
-    let rows = (f64::from(lens.height) * factor).round().max(1.0);
-    let down = rows / f64::from(lens.height);
-    let intrinsics = Intrinsics {
-        width: columns,
-        height: rows as u32,
-        fx: lens.fx * factor,
-        fy: lens.fy * down,
-        cx: lens.cx * factor,
-        cy: lens.cy * down,
-        projection: lens.projection,
-    };
-    Camera { intrinsics, ..camera.clone() }
+    let rows = (f64::from(lens.height) * factor).round().max(1.0) as u32;
+    Camera { intrinsics: lens.resized(columns, rows), ..camera.clone() }
 }
