@@ -39,6 +39,15 @@ fn share(picture: &RgbaImage, holds: impl Fn([u8; 3]) -> bool) -> f64 {
     picture.pixels().filter(|pixel| holds([pixel.0[0], pixel.0[1], pixel.0[2]])).count() as f64 / all
 }
 
+/// How many pixels have each color.
+fn counts(picture: &RgbaImage) -> HashMap<[u8; 4], usize> {
+    let mut counts = HashMap::new();
+    for pixel in picture.pixels() {
+        *counts.entry(pixel.0).or_insert(0) += 1;
+    }
+    counts
+}
+
 /// The difference of the largest and the smallest channel.
 fn chroma(color: [u8; 3]) -> u8 {
     color.iter().max().unwrap() - color.iter().min().unwrap()
@@ -58,10 +67,7 @@ fn brightness(color: [u8; 3]) -> u32 {
 impl Look {
     /// The look of a part of the window in numbers, for a picture that has another one.
     fn check(self, part: &RgbaImage, place: &str) {
-        let mut counts = HashMap::new();
-        for pixel in part.pixels() {
-            *counts.entry(pixel.0).or_insert(0_usize) += 1;
-        }
+        let counts = counts(part);
         let is_strong = share(part, |color| chroma(color) > 90);
         let commonest = *counts.values().max().unwrap() as f64 / f64::from(part.width() * part.height());
         let hue = |degrees: std::ops::Range<f64>| share(part, |color| has_hue(color, degrees.clone()));
@@ -106,6 +112,11 @@ fn shoot(window: &mut Window, name: &str, texts: &[&str], pictures: &[(&str, Loo
     for text in texts {
         assert!(shows(window, text), "{name} does not say {text:?}");
     }
+    let counts = counts(&picture);
+    let most = counts.values().copied().max().unwrap_or(0);
+    let pixels = (picture.width() * picture.height()) as usize;
+    assert!(counts.len() > 100, "{name}: only {} colors", counts.len());
+    assert!(most < pixels * 9 / 10, "{name}: almost blank");
     let dark = share(&picture, |color| brightness(color) < 60);
     assert!(if name.ends_with("_light") { dark < 0.2 } else { dark > 0.5 }, "{name}: {dark} of it is dark");
     for (place, look) in pictures {
