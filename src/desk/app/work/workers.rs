@@ -15,7 +15,7 @@ use crate::app::rooms::compare::state::CompareKey;
 use crate::app::rooms::compare::work::Comparer;
 use crate::app::rooms::edits::state::EditKey;
 use crate::app::rooms::edits::work::SampleEditor;
-use crate::app::rooms::files::work::ask;
+use crate::app::rooms::files::work as files;
 use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::pixel::state::ProbeKey;
 use crate::app::rooms::pixel::work as facts;
@@ -127,7 +127,7 @@ impl Workers {
         let mut meter = StoreMeter::default();
         let preview = move |key, job: &Job| previewing.install(|| work::preview(key, job));
         Ok(Self {
-            open: Worker::start(Kind::Open, Always, outbox, crate::app::rooms::files::work::open)?,
+            open: Worker::start(Kind::Open, Always, outbox, files::open)?,
             whole: Slot::start(Kind::Prune, Always, outbox, move |request, job| {
                 background.install(|| pruning::prune_whole(request, &progress, job))
             })?,
@@ -145,7 +145,7 @@ impl Workers {
                 Ok(Message::LivePainted { key, picture: Arc::new(picture) })
             })?,
             carry: Slot::start(Kind::CarriedPicture, Never, outbox, move |key, _| {
-                Ok(carrying.install(|| crate::app::rooms::live::work::image::carry(&mut carrier, key)))
+                Ok(carrying.install(|| live_image::carry(&mut carrier, key)))
             })?,
             measure: Slot::start(Kind::MeasureAccuracy, Always, outbox, move |request, job| {
                 let accuracy = measuring.install(|| measure(&request, job))?;
@@ -153,10 +153,10 @@ impl Workers {
             })?,
             file: Worker::start(Kind::File, Queue, outbox, or_stopped)?,
             dialog: Worker::start(Kind::Dialog, Never, outbox, |(purpose, name), _| {
-                Ok(Message::PathChosen { purpose, path: ask(purpose, name) })
+                Ok(Message::PathChosen { purpose, path: files::ask(purpose, name) })
             })?,
             check: Worker::start(Kind::CheckPath, Never, outbox, |destination, _| {
-                Ok(crate::app::rooms::files::work::check(destination))
+                Ok(files::check(destination))
             })?,
             probe: Slot::start(Kind::PixelExplanation, Never, outbox, |key: ProbeKey, _| {
                 let probed = facts::probe(&key).map(Arc::new);

@@ -14,7 +14,7 @@ use crate::app::model::{self, Command, Commands, State};
 use crate::app::rooms::settings::ui::line;
 use crate::app::rooms::settings::{BARS, ThresholdAxis};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, note, segments_ui};
+use crate::app::widgets::{choice_ui, heading_ui, note, segments_ui};
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::edits::Region;
 use overlook_engine::render::output::ranked_value;
@@ -65,7 +65,7 @@ fn slider_ui(
 }
 
 fn brightness_ui(ui: &mut Ui, histogram: Option<&PictureHistogram>, display: &mut Display) {
-    crate::app::widgets::heading_ui(ui, "Brightness");
+    heading_ui(ui, "Brightness");
     slider_ui(ui, "Exposure", "Stops: 1 is twice as bright.", &mut display.exposure, EXPOSURES, " EV");
     slider_ui(ui, "Offset", "Added after the exposure.", &mut display.offset, -1.0..=1.0, "");
     ui.horizontal(|ui| {
@@ -80,7 +80,7 @@ fn brightness_ui(ui: &mut Ui, histogram: Option<&PictureHistogram>, display: &mu
 }
 
 fn curve_ui(ui: &mut Ui, display: &mut Display) {
-    crate::app::widgets::heading_ui(ui, "Tone curve");
+    heading_ui(ui, "Tone curve");
     if let Some(curve) = segments_ui(ui, "Tone curve", display.curve, ToneCurve::ALL) {
         display.curve = curve;
     }
@@ -94,14 +94,14 @@ fn curve_ui(ui: &mut Ui, display: &mut Display) {
             "",
         );
     }
-    crate::app::widgets::heading_ui(ui, "Channel");
+    heading_ui(ui, "Channel");
     if let Some(channel) = segments_ui(ui, "Channel", display.channel, Channel::ALL) {
         display.channel = channel;
     }
 }
 
 fn background_ui(ui: &mut Ui, display: &mut Display) {
-    crate::app::widgets::heading_ui(ui, "Background");
+    heading_ui(ui, "Background");
     let solid = match display.background {
         Background::Solid(color) => color,
         _ => [24, 26, 30],
@@ -126,7 +126,7 @@ fn background_ui(ui: &mut Ui, display: &mut Display) {
 }
 
 fn histogram_ui(ui: &mut Ui, name: &str, histogram: Option<&PictureHistogram>, why_not: &str) {
-    crate::app::widgets::heading_ui(ui, name);
+    heading_ui(ui, name);
     let tokens = Tokens::in_ui(ui);
     let (area, response) =
         ui.allocate_exact_size(vec2(ui.available_width() - space::MEDIUM, HEIGHT), Sense::hover());
@@ -324,7 +324,7 @@ const SCALES: [(ValueScale, &str, &str); 3] = [
 pub(crate) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, commands: &mut Commands) {
     let channels = state.value_channels();
     let Some((index, channel)) = look.channel_of(channels) else { return };
-    crate::app::widgets::heading_ui(ui, "Values");
+    heading_ui(ui, "Values");
     ui.horizontal(|ui| {
         let choices: Vec<_> = channels
             .iter()

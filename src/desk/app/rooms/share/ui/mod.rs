@@ -12,7 +12,7 @@ use crate::app::rooms::files::paths::what_is_missing;
 use crate::app::rooms::share::state::ShareOutcome;
 use crate::app::rooms::share::ui::options::options_ui;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{note, weak};
+use crate::app::widgets::{self, note, waiting, weak};
 use crate::ways_out::{Options, WAYS, WayOut};
 
 /// Width of the dialog and of the list of ways, points.
@@ -134,12 +134,12 @@ fn preview_ui(ui: &mut Ui, state: &State) {
         response
             .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Preview of what is shared"));
         if let Some((texture, _)) = picture {
-            crate::app::widgets::picture(ui.painter(), texture.id(), area);
+            widgets::picture(ui.painter(), texture.id(), area);
         } else {
             ui.painter().rect_filled(area, 4.0, Tokens::in_ui(ui).surface);
         }
         if is_late {
-            crate::app::widgets::waiting(ui, area, 20.0);
+            waiting(ui, area, 20.0);
         }
         ui.vertical(|ui| {
             let kept = model::percent((key.share * 1e6) as u64, 1_000_000);

@@ -13,7 +13,7 @@ use crate::app::rooms::compare::state::{CompareKey, ComparisonFigure};
 use crate::app::rooms::compare::work::{self, Comparer};
 use crate::app::rooms::files::work::{chart_bytes, chart_image, color_image};
 use crate::app::rooms::live::work::image as live_image;
-use crate::app::rooms::share::work::figure_meaning::{Meaning, of_live, of_source};
+use crate::app::rooms::share::work::figure_meaning::{self, Meaning, of_live, of_source};
 use crate::app::rooms::share::{ComparedFilm, FilmLook};
 use crate::app::rooms::source::work::source_picture;
 use crate::app::work::shown_samples::CameraFilter;
@@ -108,12 +108,7 @@ pub(crate) fn of_live_view(key: &LiveKey, options: &FigureOptions, job: &Job) ->
 /// A figure of a comparison as its view shows it.
 pub(crate) fn of_comparison(compared: &ComparisonFigure, options: &FigureOptions) -> Figure {
     let picture = opaque(&work::image(compared));
-    put_together(
-        picture,
-        crate::app::rooms::share::work::figure_meaning::of_comparison(compared),
-        None,
-        options,
-    )
+    put_together(picture, figure_meaning::of_comparison(compared), None, options)
 }
 
 /// A figure of a rendered picture, through a lens, or orthographic with so many world units from edge to edge, with what its colors mean.
