@@ -183,11 +183,15 @@ fn time_plays_steps_and_is_scrubbed() {
 
 #[test]
 fn a_view_at_rest_is_painted_twice_as_fine_as_recorded_and_in_motion_no_finer() {
+    let rows = |window: &Window| window.state().observed().live_coverage.map_or(0, |(size, _)| size[1]);
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    assert!(shows(&window, "×144 in "), "72 rows were recorded");
+    assert_eq!(rows(&window), 144, "72 rows were recorded");
+    assert!(shows(&window, "×144 in "));
     window.get_by_label("Play").click();
-    wait(&mut window, "a picture in motion", |window| shows(window, "×72 in "));
+    wait(&mut window, "a picture in motion", |window| rows(window) != 144);
+    // Where machines are busy, pictures in motion are coarser still.
+    assert!((1..=72).contains(&rows(&window)), "{}", rows(&window));
     window.get_by_label("Pause").click();
     settle(&mut window);
     assert!(shows(&window, "×144 in "));
