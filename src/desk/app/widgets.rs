@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Button, Color32, ComboBox, FontId, Key, Painter, Rect, RectAlign, Response, RichText, ScrollArea, Sense,
-    TextEdit, TextStyle, TextWrapMode, TextureHandle, TextureId, Ui, Vec2, pos2, vec2,
+    Align2, Button, Color32, ComboBox, FontId, Key, Painter, Pos2, Rect, RectAlign, Response, RichText,
+    ScrollArea, Sense, TextEdit, TextStyle, TextWrapMode, TextureHandle, TextureId, Ui, Vec2, pos2, vec2,
 };
 use egui_material_icons::MaterialIcon;
 
@@ -359,4 +359,12 @@ pub(crate) fn view_picture_ui(ui: &mut Ui, shown: Option<&TextureHandle>, name: 
         ui.painter().rect_stroke(room, 3.0, stroke, egui::StrokeKind::Inside);
     }
     response.on_hover_text(name).clicked()
+}
+
+/// A line of text on the scrim.
+pub(crate) fn plate(painter: &Painter, at: Pos2, align: Align2, text: &str, tokens: &Tokens) {
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(11.5), tokens.on_scrim);
+    let area = align.anchor_size(at, galley.size() + vec2(8.0, 4.0));
+    painter.rect_filled(area, 4.0, tokens.scrim);
+    painter.galley(area.min + vec2(4.0, 2.0), galley, tokens.on_scrim);
 }

@@ -149,6 +149,7 @@ impl OverlookApp {
         self.take_dropped_files();
         self.advance_time();
         self.advance_path();
+        self.fade_changes();
         self.watch_closing();
         self.request_missing();
         self.watch_work();

@@ -133,10 +133,8 @@ impl OverlookApp {
             Message::Pruned { settings, result, read_seconds, .. } => {
                 self.pruned(settings, &result, read_seconds);
             }
-            Message::Inspected { inspected, .. } => {
-                state.doc.inspected = Some(inspected);
-                state.doc.failed_frame = None;
-            }
+            Message::Inspected { inspected, .. } => self.inspected(inspected),
+            Message::ChangePainted { request, pictures } => self.change_painted(&request, pictures),
             Message::SourcePainted { key, picture } => self.source_painted(key, picture),
             Message::LivePainted { key, picture } => self.live_painted(key, picture),
             Message::LiveCarried { carried, key } => self.live_carried(&key.to, carried),

@@ -8,6 +8,7 @@ use crate::app::model::picture::{CarriedLook, CarryKey, LiveKey, LivePicture, So
 use crate::app::model::purpose::{Destination, Purpose};
 use crate::app::model::scene::{Accuracy, CameraMemory, Inspected, OpenScene};
 use crate::app::model::work_kind::WorkKind;
+use crate::app::rooms::change::work::ChangeRequest;
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::compare::state::{CompareKey, PictureDifference, PictureFolder};
 use crate::app::rooms::edits::state::{EditKey, EditedScene};
@@ -82,6 +83,11 @@ pub(crate) enum Message {
     Histograms {
         scene: u64,
         histograms: Vec<ThresholdHistogram>,
+    },
+    /// The samples that a change of settings dropped, and those that it brought back.
+    ChangePainted {
+        request: Box<ChangeRequest>,
+        pictures: [Option<Arc<egui::ColorImage>>; 2],
     },
     /// The values that the live view shows in colors.
     ValuesCounted {
@@ -237,6 +243,7 @@ impl Message {
             | Self::ReadingsShown { scene, .. }
             | Self::EditsLoaded { scene, .. }
             | Self::PathLoaded { scene, .. } => Some(*scene),
+            Self::ChangePainted { request, .. } => Some(request.scene),
             Self::Edited { key, .. } => Some(key.scene.id),
             Self::SharePreviewed { key, .. } => Some(key.scene.id),
             Self::SourcePainted { key, .. } => Some(key.scene),

@@ -24,6 +24,7 @@ use crate::app::model::window::{
     CommandPalette, DockView, HelpPage, LogLine, Notice, NoticeKind, WindowLook,
 };
 use crate::app::model::work_kind::WorkKind;
+use crate::app::rooms::change::state::SettingsChange;
 use crate::app::rooms::charts::state::Charts;
 use crate::app::rooms::compare::state::{CompareLook, PictureFolder, ShownComparison};
 use crate::app::rooms::edits::state::SceneEdits;
@@ -383,6 +384,8 @@ pub(crate) struct Document {
     /// When a setting was last changed that decides which samples stay; `None` where nothing waits for it to rest.
     pub changed_at: Option<Instant>,
     pub accuracy: Option<Accuracy>,
+    /// What the last change of settings did.
+    pub change: SettingsChange,
     pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
     /// How the live view moves.
     pub motion: ViewMotion,

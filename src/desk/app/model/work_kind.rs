@@ -25,6 +25,8 @@ pub(crate) enum WorkKind {
     Thumbnails,
     MemoryByCamera,
     Histograms,
+    /// The samples that a change of settings drops or brings back.
+    Change,
     /// The values that the live view shows in colors.
     CountValues,
     Compare,
@@ -57,6 +59,7 @@ impl WorkKind {
             Self::Thumbnails => "Could not draw the pictures of the cameras",
             Self::MemoryByCamera => "Could not count memory by camera",
             Self::Histograms => "Could not count the histograms",
+            Self::Change => "Could not show what changed",
             Self::CountValues => "Could not count the values",
             Self::Compare => "Could not compare",
             Self::CompareReadings => "Could not compare readings",

@@ -2,6 +2,7 @@
 //! commands and answers change it (`control`), and how it is drawn (`ui`).
 
 pub(crate) mod cameras;
+pub(crate) mod change;
 pub(crate) mod charts;
 pub(crate) mod colors;
 pub(crate) mod compare;

@@ -8,6 +8,8 @@ use super::worker::Supersede::{Alternate, Always, Never, Queue};
 use crate::app::model::picture::{CarryKey, LiveKey};
 use crate::app::model::purpose::{Destination, Purpose};
 use crate::app::model::{Message, State, WorkKind as Kind};
+use crate::app::rooms::change::work as change;
+use crate::app::rooms::change::work::ChangeRequest;
 use crate::app::rooms::charts;
 use crate::app::rooms::charts::work::{MeasureRequest, measure};
 use crate::app::rooms::colors::work::{ValuesRequest, values};
@@ -60,6 +62,8 @@ pub(crate) struct Workers {
     pub memory: Slot<MemoryRequest>,
     pub histograms: Slot<HistogramRequest>,
     pub values: Slot<ValuesRequest>,
+    /// The samples that a change of settings drops or brings back.
+    pub change: Slot<ChangeRequest>,
     pub compare: Slot<Box<CompareKey>>,
     pub export: Worker<FileWork>,
     /// The threads on which filmed comparisons read whole captures.
@@ -168,6 +172,7 @@ impl Workers {
             histograms: Slot::start(Kind::Histograms, Never, outbox, |request, _| {
                 Ok(histograms::histograms(&request))
             })?,
+            change: Slot::start(Kind::Change, Never, outbox, |request, _| Ok(change::paint(request)))?,
             values: Slot::start(Kind::CountValues, Always, outbox, |request, job| values(&request, job))?,
             compare: Slot::start(Kind::Compare, Alternate, outbox, move |key, job| {
                 comparer.answer(key, job)
@@ -192,7 +197,7 @@ impl Workers {
     }
 
     /// All work that follows from the state, in the order in which it is asked for.
-    pub(crate) fn slots(&self) -> [&dyn AnySlot; 17] {
+    pub(crate) fn slots(&self) -> [&dyn AnySlot; 18] {
         [
             &self.inspect,
             &self.prepare,
@@ -207,6 +212,7 @@ impl Workers {
             &self.sizes,
             &self.preview,
             &self.edits,
+            &self.change,
             &self.live,
             &self.carry,
             &self.readings,

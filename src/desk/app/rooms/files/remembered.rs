@@ -35,6 +35,7 @@ pub(crate) struct Memory {
     is_b_on: bool,
     frames_per_second: f32,
     show_cameras: bool,
+    shows_changes: bool,
     guides: Guides,
     layout: String,
     introduced: bool,
@@ -73,6 +74,7 @@ impl Memory {
             is_b_on: history.slot == SettingsSlot::B,
             frames_per_second: state.timeline.frames_per_second,
             show_cameras: state.live.show_cameras,
+            shows_changes: state.live.shows_changes,
             guides: state.live.guides,
             layout: dock.to_json(),
             introduced: state.inspector.introduced,
@@ -105,6 +107,7 @@ impl Memory {
         state.inspector.history.slot = if self.is_b_on { SettingsSlot::B } else { SettingsSlot::A };
         state.timeline.frames_per_second = self.frames_per_second.clamp(1.0, 120.0);
         state.live.show_cameras = self.show_cameras;
+        state.live.shows_changes = self.shows_changes;
         state.live.guides = self.guides;
         state.inspector.introduced = self.introduced;
         state.inspector.room_explained = self.room_explained;

@@ -20,6 +20,7 @@ pub(crate) const FIRST_SIZE: [u32; 2] = [960, 720];
 
 /// How the live view looks.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of the view, each by its name")]
 pub(crate) struct LiveLook {
     /// The virtual camera; `None` while nothing is open.
     pub orbit: Option<OrbitCamera>,
@@ -27,6 +28,8 @@ pub(crate) struct LiveLook {
     /// As chosen; see [`State::holes_shown`].
     pub holes: HoleDisplay,
     pub show_cameras: bool,
+    /// Whether samples that a change of settings drops or brings back are seen doing so.
+    pub shows_changes: bool,
     pub size: [u32; 2],
     pub guides: Guides,
     /// The cameras whose samples are shown.
@@ -66,6 +69,7 @@ impl Default for LiveLook {
             color_by: ColorBy::Picture,
             holes: HoleDisplay::Filled,
             show_cameras: true,
+            shows_changes: true,
             size: FIRST_SIZE,
             guides: Guides::default(),
             cameras: ShownCameras::default(),

@@ -80,6 +80,7 @@ impl OverlookApp {
 
     pub(crate) fn put_settings(&mut self, settings: Settings) {
         if method_of(&settings) != method_of(&self.state.settings) {
+            self.note_figures_before(&settings);
             self.state.doc.changed_at = Some(Instant::now());
             self.state.doc.stopped = false;
             self.state.doc.failed_frame = None;

@@ -10,6 +10,7 @@ use crate::app::control::gave_up_number;
 use crate::app::model::command::SettingsCommand;
 use crate::app::model::setting_names::{SECTIONS, SettingPairs};
 use crate::app::model::{self, Command, Commands, SettingsSlot, State};
+use crate::app::rooms::change::ui::change_ui;
 use crate::app::rooms::settings::{BARS, CUT, PRESETS, ThresholdAxis, ThresholdHistogram, changed, keep};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{bare_icon_button, choice_ui, help_beside, icon_button, note, text_field_ui, weak};
@@ -34,6 +35,7 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ),
         };
         note(ui, words);
+        change_ui(ui, state, commands);
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {

@@ -12,6 +12,7 @@ use crate::app::model::look::FrameGuide;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::cameras::{clipped, projected};
 use crate::app::theme::Tokens;
+use crate::app::widgets::plate;
 use overlook_engine::capture::Camera;
 use overlook_engine::render::Picture;
 use overlook_engine::render::output::pick;
@@ -93,14 +94,6 @@ fn frame(painter: &Painter, canvas: Rect, state: &State) {
     let tokens = Tokens::of(state.dark);
     painter.rect_stroke(frame, 0.0, Stroke::new(1.0, tokens.on_scrim), egui::StrokeKind::Inside);
     plate(painter, frame.left_top() + vec2(8.0, 8.0), Align2::LEFT_TOP, &format!("{width}×{height}"), tokens);
-}
-
-/// A line of text on the scrim.
-fn plate(painter: &Painter, at: Pos2, align: Align2, text: &str, tokens: &Tokens) {
-    let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(11.5), tokens.on_scrim);
-    let area = align.anchor_size(at, galley.size() + vec2(8.0, 4.0));
-    painter.rect_filled(area, 4.0, tokens.scrim);
-    painter.galley(area.min + vec2(4.0, 2.0), galley, tokens.on_scrim);
 }
 
 /// Distance between lines of the ground: the power of ten that suits how far away the pivot is.

@@ -15,6 +15,7 @@ use crate::app::picture_menu::picture_menu_ui;
 use crate::app::rooms::cameras::mark;
 use crate::app::rooms::cameras::ui::overlay as cameras_overlay;
 use crate::app::rooms::cameras::ui::overlay::{camera_at, seen_cameras};
+use crate::app::rooms::change::ui as change;
 use crate::app::rooms::edits::ui::drawing::{self, Drawn, PicturePlace, shape_ui};
 use crate::app::rooms::live::ui::guides::{color_under, inverse_depth_at, pixel_at};
 use crate::app::rooms::pixel::FAILED_FRAME;
@@ -106,6 +107,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
             waiting(ui, canvas, 28.0);
         }
     }
+    change::glows(&painter, canvas, state);
     let seen = state.doc.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);

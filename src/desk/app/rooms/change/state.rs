@@ -1,0 +1,180 @@
+//! What is known of the last change of settings.
+
+use std::time::{Duration, Instant};
+
+use egui::TextureHandle;
+
+use crate::app::model::same::Same;
+use crate::app::model::scene::method_of;
+use crate::app::model::state::State;
+use crate::text::{bytes, count, significant};
+use overlook_engine::capture::Camera;
+use overlook_engine::preprocess::inspect::FrameInspection;
+use overlook_engine::settings::Settings;
+
+/// How long samples that went or came glow.
+const GLOWS: Duration = Duration::from_millis(900);
+
+/// What the last change of settings did.
+#[derive(Default)]
+pub(crate) struct SettingsChange {
+    /// What was known before it.
+    pub before: Option<Figures>,
+    /// Two prunings of one frame whose difference is not painted yet, the earlier one first.
+    pub unpainted: Option<[Same<FrameInspection>; 2]>,
+    /// The samples that went or came, while they glow.
+    pub glows: Vec<Glow>,
+}
+
+impl SettingsChange {
+    /// Forgets what glows no more; whether anything is left.
+    pub(crate) fn fade(&mut self) -> bool {
+        self.glows.retain(|glow| glow.age() < 1.0);
+        !self.glows.is_empty()
+    }
+}
+
+/// Samples of one pruning that the one before lacks, or the other way round, as the live view shows them.
+pub(crate) struct Glow {
+    /// Each sample in the color of its camera.
+    pub texture: TextureHandle,
+    /// Where the picture is seen from.
+    pub camera: Camera,
+    /// Whether the samples came; else they went.
+    pub came: bool,
+    pub since: Instant,
+}
+
+impl Glow {
+    /// The share of its time that is over.
+    fn age(&self) -> f32 {
+        self.since.elapsed().as_secs_f32() / GLOWS.as_secs_f32()
+    }
+
+    /// How strongly it is drawn, 0 to 1: what went fades, what came grows until it is there.
+    pub(crate) fn strength(&self) -> f32 {
+        let left = (1.0 - self.age()).clamp(0.0, 1.0);
+        if self.came { 1.0 - left } else { left * left }
+    }
+}
+
+/// What is known under some settings.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Figures {
+    pub settings: Settings,
+    /// A frame, and the samples that are kept of it.
+    pub frame: Option<(usize, u64)>,
+    /// Samples that are kept of all frames.
+    pub samples: Option<u64>,
+    /// Bytes of these in memory.
+    pub bytes: Option<u64>,
+    /// Mean PSNR where the truth is known, dB.
+    pub psnr_db: Option<f64>,
+    /// Milliseconds of the last live picture at rest.
+    pub picture_ms: Option<f64>,
+}
+
+impl Figures {
+    /// What is known under the settings on the sliders.
+    pub(crate) fn of(state: &State) -> Self {
+        let doc = &state.doc;
+        let method = method_of(&state.settings);
+        let inspected = doc.inspected.as_ref().filter(|inspected| method_of(&inspected.settings) == method);
+        let whole = doc.whole.as_ref().filter(|_| !state.is_stale());
+        let rests = doc.live_shown.as_ref().filter(|shown| shown.key.quality.is_none());
+        Self {
+            settings: state.settings.clone(),
+            frame: inspected.map(|inspected| (inspected.inspection.frame, inspected.kept.iter().sum())),
+            samples: whole.map(|whole| whole.report.samples_kept),
+            bytes: whole.map(|whole| whole.report.bytes_memory),
+            psnr_db: doc.accuracy.filter(|_| whole.is_some()).map(|accuracy| accuracy.psnr_db),
+            picture_ms: rests.map(|shown| shown.picture.stats.milliseconds),
+        }
+    }
+}
+
+/// A figure before a change of settings and now.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Difference {
+    pub name: &'static str,
+    pub before: String,
+    /// `None` until it is known.
+    pub now: Option<String>,
+    /// By how much it changed, with its sign.
+    pub change: Option<String>,
+}
+
+/// The difference of two counts, with its sign and as a share of the first.
+fn counted(before: u64, now: u64, text: fn(u64) -> String) -> String {
+    let sign = if now < before { "−" } else { "+" };
+    let percent = 100.0 * (now as f64 - before as f64) / (before.max(1) as f64);
+    format!("{sign}{} ({sign}{} %)", text(now.abs_diff(before)), significant(percent.abs()))
+}
+
+/// The difference of two numbers, with its sign.
+fn signed(before: f64, now: f64, digits: usize) -> String {
+    let sign = if now < before { "−" } else { "+" };
+    format!("{sign}{:.digits$}", (now - before).abs())
+}
+
+impl State {
+    /// Figures before the last change of settings and now; empty without a change. What was not known before is left out.
+    pub(crate) fn differences(&self) -> Vec<Difference> {
+        let Some(before) = &self.doc.change.before else { return Vec::new() };
+        let now = Figures::of(self);
+        let of_count = |name, of: [Option<u64>; 2], text: fn(u64) -> String| {
+            let [before, now] = of;
+            before.map(|before| Difference {
+                name,
+                before: text(before),
+                now: now.map(text),
+                change: now.map(|now| counted(before, now, text)),
+            })
+        };
+        let of_number = |name, of: [Option<f64>; 2], unit: &str, digits: usize| {
+            let [before, now] = of;
+            before.map(|before| Difference {
+                name,
+                before: format!("{before:.digits$} {unit}"),
+                now: now.map(|now| format!("{now:.digits$} {unit}")),
+                change: now.map(|now| format!("{} {unit}", signed(before, now, digits))),
+            })
+        };
+        let here = self.timeline.frame;
+        let of_frame = |figures: &Figures| figures.frame.filter(|(frame, _)| *frame == here).map(|it| it.1);
+        [
+            of_count("This frame", [of_frame(before), of_frame(&now)], count),
+            of_count("All samples", [before.samples, now.samples], count),
+            of_count("Memory", [before.bytes, now.bytes], bytes),
+            of_number("Accuracy", [before.psnr_db, now.psnr_db], "dB", 2),
+            of_number("Live picture", [before.picture_ms, now.picture_ms], "ms", 0),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_has_its_sign_and_its_share() {
+        assert_eq!(counted(1_430_000, 1_490_000, count), "+60.0 k (+4.20 %)");
+        assert_eq!(counted(200, 150, count), "−50 (−25.0 %)");
+        assert_eq!(counted(0, 5, count), "+5 (+500 %)");
+        assert_eq!(signed(36.02, 35.84, 2), "−0.18");
+    }
+
+    #[test]
+    fn without_a_change_nothing_is_told_and_what_was_not_known_before_is_left_out() {
+        let mut state = State::default();
+        assert!(state.differences().is_empty());
+        let known = Figures { samples: Some(10), ..Figures::of(&state) };
+        state.doc.change.before = Some(known);
+        let told = state.differences();
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert_eq!((told[0].name, told[0].now.as_ref()), ("All samples", None));
+    }
+}
