@@ -5,6 +5,8 @@ use egui::{Align2, Color32, Grid, Painter, Rect, RichText, Ui, pos2, vec2};
 use crate::app::model::command::ViewCommand;
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::change::state::Difference;
+use crate::app::rooms::compare::compare_with;
+use crate::app::rooms::compare::state::CompareSide;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, plate};
 
@@ -47,6 +49,10 @@ pub(crate) fn change_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ui.end_row();
         }
     });
+    let help = "The view from here with the settings before the last change, beside what is kept now.";
+    if ui.button("Compare with before").on_hover_text(help).clicked() {
+        compare_with(CompareSide::Before, state, commands);
+    }
     let mut shows = state.live.shows_changes;
     let help = "In the live view, samples that a change drops glow and fade in the color of their camera; those that come back grow.";
     if ui.checkbox(&mut shows, "Show samples going and coming").on_hover_text(help).changed() {

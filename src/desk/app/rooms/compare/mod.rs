@@ -7,9 +7,12 @@ pub(crate) mod work;
 
 use std::sync::Arc;
 
+use crate::app::model::command::{CompareCommand, WindowCommand};
 use crate::app::model::same::Same;
 use crate::app::model::state::State;
 use crate::app::model::undo::SettingsSlot;
+use crate::app::model::window::DockView;
+use crate::app::model::{Command, Commands};
 use crate::app::rooms::compare::state::{
     CompareKey, CompareLook, CompareMeasure, CompareSide, ComparisonFigure, PictureDifference, PictureFolder,
 };
@@ -38,6 +41,7 @@ impl State {
                 now.clone(),
                 history.of(SettingsSlot::A, now).clone(),
                 history.of(SettingsSlot::B, now).clone(),
+                self.doc.change.before.as_ref().map_or(now, |before| &before.settings).clone(),
             ],
             pictures: self.doc.pictures.clone(),
             dark: self.dark,
@@ -68,6 +72,14 @@ impl State {
             }
         }
     }
+}
+
+/// Asks for what is kept now beside something else, in the view for that.
+pub(crate) fn compare_with(side: CompareSide, state: &State, commands: &mut Commands) {
+    let mut look = state.inspector.compare.clone();
+    look.choice.sides = [side, CompareSide::Kept];
+    commands.push(Command::Compare(CompareCommand::Look(Box::new(look))));
+    commands.push(Command::Window(WindowCommand::OpenView(DockView::Compare)));
 }
 
 /// The pixel under the pointer on both sides; `None` outside.

@@ -38,6 +38,7 @@ pub(crate) enum CompareSide {
     AsClaimed,
     A,
     B,
+    Before,
     Truth,
     Point,
     Block,
@@ -55,7 +56,7 @@ pub(crate) enum CompareSide {
 
 impl CompareSide {
     /// Every side that is always there, in the order of the list: name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 16] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 17] = [
         (Self::Kept, "Kept samples", "After pruning, with the settings on the sliders."),
         (Self::Everything, "All samples", "Before pruning: every pixel of this frame."),
         (
@@ -65,6 +66,7 @@ impl CompareSide {
         ),
         (Self::A, "Settings A", "After pruning with settings A."),
         (Self::B, "Settings B", "After pruning with settings B."),
+        (Self::Before, "Before the change", "After pruning with the settings before the last change."),
         (
             Self::Truth,
             "Truth",
@@ -265,8 +267,8 @@ pub(crate) struct CompareKey {
     pub whole: bool,
     /// The pass over all frames, where it is done.
     pub scan: Option<Same<PreparedScan>>,
-    /// The settings on the sliders, A and B.
-    pub settings: [Settings; 3],
+    /// The settings on the sliders, A, B, and those before the last change.
+    pub settings: [Settings; 4],
     /// Pictures of other programs that are open.
     pub pictures: Vec<PictureFolder>,
     /// Dark or light, as holes use a color of the theme.

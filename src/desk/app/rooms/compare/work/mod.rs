@@ -35,7 +35,7 @@ impl Wanted for Box<CompareKey> {
         let mut key = state.compare_key().filter(|_| state.shows(DockView::Compare))?;
         let sides = key.choice.sides;
         // What no side shows asks for nothing.
-        for (nth, side) in [(1, CompareSide::A), (2, CompareSide::B)] {
+        for (nth, side) in [(1, CompareSide::A), (2, CompareSide::B), (3, CompareSide::Before)] {
             if !sides.contains(&side) {
                 key.settings[nth] = key.settings[0].clone();
             }
@@ -172,6 +172,7 @@ impl Comparer {
         let mut settings = match side {
             CompareSide::A => key.settings[1].clone(),
             CompareSide::B => key.settings[2].clone(),
+            CompareSide::Before => key.settings[3].clone(),
             _ => key.settings[0].clone(),
         };
         let mut render = settings.render.clone();
@@ -340,7 +341,7 @@ mod tests {
             samples: Same(samples),
             whole: true,
             scan: Some(Same(scan)),
-            settings: [a.clone(), a, b],
+            settings: [a.clone(), a, b.clone(), b],
             pictures: Vec::new(),
             dark: true,
         }

@@ -6,11 +6,10 @@ use egui::{
 use egui_extras::{Column, TableBuilder};
 
 use crate::app::colormap::sequential;
-use crate::app::model::command::{CompareCommand, WindowCommand};
 use crate::app::model::look::Unit;
 use crate::app::model::purpose::Table;
-use crate::app::model::window::DockView;
-use crate::app::model::{self, Command, Commands, State};
+use crate::app::model::{self, Commands, State};
+use crate::app::rooms::compare::compare_with;
 use crate::app::rooms::compare::state::CompareSide;
 use crate::app::rooms::report::ui::pairs::{PairCell, by_weight, pairs_ui, short};
 use crate::app::rooms::source::ui::legend::bar;
@@ -169,10 +168,7 @@ pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands
         let button =
             button.on_hover_text("The kept samples as the capture claims to be, beside those as corrected.");
         if button.on_disabled_hover_text("Open the capture that the store was made from.").clicked() {
-            let mut look = state.inspector.compare.clone();
-            look.choice.sides = [CompareSide::AsClaimed, CompareSide::Kept];
-            commands.push(Command::Compare(CompareCommand::Look(Box::new(look))));
-            commands.push(Command::Window(WindowCommand::OpenView(DockView::Compare)));
+            compare_with(CompareSide::AsClaimed, state, commands);
         }
         table_ui(ui, Table::Alignment, commands);
     });
