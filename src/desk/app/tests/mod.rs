@@ -1,5 +1,6 @@
 //! What the window does between commands and answers, without a picture of it.
 
+mod changes;
 mod edits;
 mod first_minute;
 mod motion;
