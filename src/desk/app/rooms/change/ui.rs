@@ -1,6 +1,6 @@
 //! Draws what the last change of settings did: samples that went or came over the live view, and figures before and now.
 
-use egui::{Align2, Color32, Grid, Painter, Rect, RichText, Ui, pos2, vec2};
+use egui::{Align2, Button, Color32, Grid, Painter, Rect, RichText, Ui, pos2, vec2};
 
 use crate::app::model::command::ViewCommand;
 use crate::app::model::{Command, Commands, State};
@@ -25,38 +25,41 @@ pub(crate) fn glows(painter: &Painter, canvas: Rect, state: &State) {
     if let Some(Difference { before, now: Some(now), change: Some(change), .. }) =
         state.differences().first().filter(|first| is_told && first.name == "This frame")
     {
-        let text = format!("{before} → {now} samples in this frame, {change}");
+        let text = format!("{before} » {now} samples in this frame, {change}");
         let at = canvas.center_top() + vec2(0.0, space::MEDIUM);
         plate(painter, at, Align2::CENTER_TOP, &text, Tokens::of(state.dark));
     }
 }
 
-/// Figures before the last change of settings and now, and whether samples are seen going.
+/// Whether samples are seen going, and the way to what was before. It has one height: thresholds are dragged below it.
 pub(crate) fn change_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let told = state.differences();
-    if told.is_empty() {
-        return;
-    }
+    ui.horizontal(|ui| {
+        let mut shows = state.live.shows_changes;
+        let help = "In the live view, samples that a change of settings drops glow and fade in the color of their camera; those that come \
+                    back grow.";
+        if ui.checkbox(&mut shows, "Show changes").on_hover_text(help).changed() {
+            commands.push(Command::View(ViewCommand::look(&state.live, |live| live.shows_changes = shows)));
+        }
+        let told = state.differences();
+        let button = ui.add_enabled(!told.is_empty(), Button::new("Compare with before"));
+        let button = button.on_disabled_hover_text("No setting was changed that decides which samples are kept.");
+        if button.on_hover_ui(|ui| differences_ui(ui, &told)).clicked() {
+            compare_with(CompareSide::Before, state, commands);
+        }
+    });
+}
+
+/// Figures before the last change of settings and now.
+fn differences_ui(ui: &mut Ui, told: &[Difference]) {
     let tokens = Tokens::in_ui(ui);
     note(ui, "The last change");
-    Grid::new("the last change").num_columns(4).spacing(vec2(space::MEDIUM, 2.0)).show(ui, |ui| {
+    Grid::new("the last change").num_columns(3).spacing(vec2(space::MEDIUM, 2.0)).show(ui, |ui| {
         for Difference { name, before, now, change } in told {
-            let small = |text: &str| RichText::new(text).small();
-            ui.label(small(name).color(tokens.text_weak));
-            ui.label(small(&before).color(tokens.text_weak));
-            ui.label(small(&format!("→ {}", now.as_deref().unwrap_or("…"))));
-            ui.label(small(change.as_deref().unwrap_or_default()));
+            let small = |text: String| RichText::new(text).small();
+            ui.label(small((*name).to_owned()).color(tokens.text_weak));
+            ui.label(small(format!("{before} » {}", now.as_deref().unwrap_or("…"))));
+            ui.label(small(change.clone().unwrap_or_default()));
             ui.end_row();
         }
     });
-    let help = "The view from here with the settings before the last change, beside what is kept now.";
-    if ui.button("Compare with before").on_hover_text(help).clicked() {
-        compare_with(CompareSide::Before, state, commands);
-    }
-    let mut shows = state.live.shows_changes;
-    let help = "In the live view, samples that a change drops glow and fade in the color of their camera; those that come back grow.";
-    if ui.checkbox(&mut shows, "Show samples going and coming").on_hover_text(help).changed() {
-        commands.push(Command::View(ViewCommand::look(&state.live, |live| live.shows_changes = shows)));
-    }
-    ui.add_space(space::MEDIUM);
 }
