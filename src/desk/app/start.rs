@@ -53,7 +53,7 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
     let period = least_period.clone();
     let created: eframe::AppCreator<'_> = Box::new(|cc| {
         let mut app = OverlookApp::new(&cc.egui_ctx, cc.storage, cc.wgpu_render_state.as_ref(), start)?;
-        app.least_period = period;
+        (app.least_period, app.has_dialogs) = (period, true);
         Ok(Box::new(app))
     });
     let opened = if has_card {
@@ -159,7 +159,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
                     (DockPart::Contents, _) => view_ui(ui, view, state, commands),
                     (DockPart::TabBar, DockView::Source) => source::ui::cameras_ui(ui, state, commands),
                     (DockPart::TabBar, DockView::Live) => live::ui::go_to_camera_ui(ui, state, commands),
-                    (DockPart::TabBar, _) => {}
+                    (DockPart::TabBar, view) => report::ui::export::export_ui(ui, view, state, commands),
                 });
                 commands.extend(resized.map(|view| Command::Window(WindowCommand::Maximize(Some(view)))));
             }

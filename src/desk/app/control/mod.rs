@@ -39,6 +39,9 @@ const DONE_STAYS: Duration = Duration::from_secs(8);
 /// How far the pointer may move in a click, points: what moves farther drags, and is answered at once.
 const CLICK: f32 = 4.0;
 
+/// Work on edits that takes less is not told of.
+const PASSING: Duration = Duration::from_millis(200);
+
 /// A frame may come earlier by this share of its time: better than to draw the window for it alone.
 const EARLY: f32 = 0.2;
 
@@ -62,6 +65,8 @@ pub struct OverlookApp {
     /// What is in it, or about to be.
     pub(crate) unread: Unread,
     pub(crate) commands: Vec<Command>,
+    /// Whether the system has dialogs for files: a window off screen has none, nor a desktop whose dialog closed at once.
+    pub(crate) has_dialogs: bool,
     /// When the system's dialog was requested.
     pub(crate) asked_at: Option<Instant>,
     /// The path that was taken from the field last.
@@ -118,6 +123,7 @@ impl OverlookApp {
             inbox,
             unread: outbox.unread(),
             commands: Vec::new(),
+            has_dialogs: false,
             asked_at: None,
             last_typed: None,
             ctx: ctx.clone(),
@@ -272,6 +278,15 @@ impl OverlookApp {
             // Comparing takes long only if the capture is read again.
             let progress = progress.filter(|progress| work != WorkKind::Compare || progress.total > 0)?;
             let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
+            // These take long only now and then: a frame that is read first, evidence that is asked of all cameras.
+            let is_passing = match work {
+                WorkKind::InspectFrame => self.state.doc.inspected.is_some(),
+                WorkKind::EditSamples => began.elapsed() < PASSING,
+                _ => false,
+            };
+            if is_passing {
+                return None;
+            }
             let secs_left = secs_left(work, &progress, began.elapsed());
             Some(Busy { work, progress, cancellable: work != WorkKind::MeasureAccuracy, secs_left })
         });

@@ -35,12 +35,13 @@ impl OverlookApp {
         match command {
             FileCommand::Open(opening) => self.ask_to_open(opening),
             // Before a path is chosen for nothing.
-            FileCommand::AskPath(purpose) | FileCommand::TypePath(purpose) if self.refuses(purpose) => {}
+            FileCommand::AskPath(purpose) if self.refuses(purpose) => {}
+            FileCommand::AskPath(purpose) if !self.has_dialogs => self.type_path(purpose, None),
             FileCommand::AskPath(purpose) => {
                 self.asked_at = Some(Instant::now());
                 self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
             }
-            FileCommand::TypePath(purpose) => self.type_path(purpose, None),
+            FileCommand::SaveSession => self.save_session_again(),
             FileCommand::TypedPath(text) => {
                 if let Some(typed) = &mut self.state.typed_path {
                     (typed.text, typed.replaces) = (text, false);
@@ -129,14 +130,11 @@ impl OverlookApp {
             }
             Some(path) => self.take_path(purpose, path),
             None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
+                self.has_dialogs = false;
                 self.type_path(purpose, Some(NO_DIALOG_WORDS.to_owned()));
             }
             None => {
-                let entry = purpose.asked().entry;
-                let palette = if entry.ends_with('…') { "" } else { " of the commands (Ctrl+P)" };
-                let text =
-                    format!("Where no file dialog appears, \"{entry}\"{palette} takes a path that is typed.");
-                self.state.notify(NoticeKind::Done, "No path was chosen", text);
+                self.state.notify(NoticeKind::Done, "No path was chosen", "Nothing was opened or written.")
             }
         }
     }

@@ -8,14 +8,13 @@ use egui_extras::{Column, TableBuilder};
 use crate::app::colormap::sequential;
 use crate::app::model::command::{CompareCommand, WindowCommand};
 use crate::app::model::look::Unit;
-use crate::app::model::purpose::Table;
 use crate::app::model::window::DockView;
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::rooms::compare::state::CompareSide;
-use crate::app::rooms::report::ui::pairs::{PairCell, by_weight, pairs_ui, short};
+use crate::app::rooms::report::ui::pairs::{PairCell, order, pairs_ui, short};
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{dot, note, table_ui, weak};
+use crate::app::widgets::{dot, note, weak};
 use overlook_engine::alignment::{AlignedCamera, Alignment};
 use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
 
@@ -28,6 +27,9 @@ const GAP: f32 = 10.0;
 /// Width of the one bar, points: what is narrower says nothing.
 const LEAST_WHOLE: f32 = 90.0;
 
+/// Shares below this have no bar: 0.1 %.
+const LEAST_SHARE: f32 = 0.001;
+
 /// Height of a bar, points.
 const BAR: f32 = 7.0;
 
@@ -39,7 +41,7 @@ struct Cause {
     help: &'static str,
 }
 
-/// Every share, in the order in which pixels are lost; they add up to all pixels.
+/// Every share that is not nearly nothing, in the order in which pixels are lost.
 fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
     let cause = |name, pixels, color, help| Cause { name, pixels, color, help };
     let mut all = vec![
@@ -73,6 +75,7 @@ fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
     if account.cut > 0 {
         all.push(cause("Cut by hand", account.cut, tokens.text, "An edit deletes it."));
     }
+    all.retain(|cause| share(cause, account) >= LEAST_SHARE);
     all
 }
 
@@ -174,14 +177,14 @@ pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands
             commands.push(Command::Compare(CompareCommand::Look(Box::new(look))));
             commands.push(Command::Window(WindowCommand::OpenView(DockView::Compare)));
         }
-        table_ui(ui, Table::Alignment, commands);
     });
     for lens in &alignment.lenses {
         ui.label(lens.sentence());
     }
-    corrections_ui(ui, alignment, state.live.unit);
+    let order = order(report);
+    corrections_ui(ui, alignment, &order, state.live.unit);
     ui.add_space(space::SMALL);
-    distances_ui(ui, alignment);
+    distances_ui(ui, alignment, &order);
     ui.add_space(space::LARGE);
 }
 
@@ -235,7 +238,7 @@ fn columns(alignment: &Alignment, unit: Unit) -> Vec<CorrectionColumn> {
 }
 
 /// One row a camera, with its standard errors where the pointer rests; and a warning of poses that stay unknown.
-fn corrections_ui(ui: &mut Ui, alignment: &Alignment, unit: Unit) {
+fn corrections_ui(ui: &mut Ui, alignment: &Alignment, order: &[usize], unit: Unit) {
     let tokens = *Tokens::in_ui(ui);
     let cameras = &alignment.cameras;
     let unknown = cameras.iter().filter(|camera| camera.pose.is_none() && camera.pose_is_weak);
@@ -251,9 +254,6 @@ fn corrections_ui(ui: &mut Ui, alignment: &Alignment, unit: Unit) {
     if columns.is_empty() {
         return;
     }
-    let order = by_weight(cameras.len(), |camera| {
-        cameras[camera].pose.as_ref().map_or(0.0, |pose| pose.footprints as f32)
-    });
     let rows = 2.0 + order.len().min(SCROLLED) as f32;
     let height = rows * (ROW + ui.spacing().item_spacing.y);
     let scroll = ScrollArea::horizontal().id_salt("corrections").max_height(height);
@@ -299,16 +299,12 @@ fn corrections_ui(ui: &mut Ui, alignment: &Alignment, unit: Unit) {
 }
 
 /// Matrices of distances before and after, on one scale.
-fn distances_ui(ui: &mut Ui, alignment: &Alignment) {
+fn distances_ui(ui: &mut Ui, alignment: &Alignment, order: &[usize]) {
     let names: Vec<&str> = alignment.cameras.iter().map(|camera| camera.name.as_str()).collect();
     let pair = |row: usize, column: usize| {
         alignment.pairs.iter().find(|pair| pair.source == row && pair.target == column)
     };
     let most = alignment.pairs.iter().map(|pair| pair.footprints[0]).fold(0.0, f64::max).max(0.05);
-    let order = by_weight(names.len(), |camera| {
-        let of_camera = alignment.pairs.iter().filter(|pair| pair.source == camera || pair.target == camera);
-        of_camera.map(|pair| pair.footprints[0] as f32).fold(0.0, f32::max)
-    });
     for (when, title) in ["Before: distance from the surface, half within", "After"].into_iter().enumerate() {
         note(ui, title);
         if when == 0 {
@@ -316,7 +312,7 @@ fn distances_ui(ui: &mut Ui, alignment: &Alignment) {
                 bar(ui, "0", &format!("{} footprints", model::significant(most)), 90.0, sequential);
             });
         }
-        pairs_ui(ui, title, &names, &order, |row, column| {
+        pairs_ui(ui, title, &names, order, |row, column| {
             let pair = pair(row, column)?;
             let [before, after] = pair.footprints;
             let [dim, clear] = pair.brightness;

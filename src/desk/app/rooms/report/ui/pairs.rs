@@ -5,27 +5,21 @@ use egui::{Align2, Color32, FontId, Painter, Rect, RichText, ScrollArea, Sense, 
 
 use crate::app::camera_cues;
 use crate::app::colormap::sequential;
-use crate::app::model::purpose::Table;
-use crate::app::model::{self, Commands};
+use crate::app::model;
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{note, table_ui, weak};
+use crate::app::widgets::{note, weak};
 use overlook_engine::plural::counted;
-use overlook_engine::preprocess::diagnostics::{PairResiduals, Report, Residual};
+use overlook_engine::preprocess::diagnostics::{CameraReport, PairResiduals, Report, Residual};
 
 /// The matrix of replaced samples.
-pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report) {
     ui.heading("Which camera replaces which");
     weak(ui, "Rows lose samples, columns keep the ones that replace them.");
-    table_ui(ui, Table::Replacements, commands);
     left_out_ui(ui, report);
     let most = report.witnesses.iter().map(|(.., count)| *count).max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    let kept_for = |winner: usize| {
-        let counts = (0..names.len()).filter_map(|loser| report.witnesses.get(loser, winner));
-        counts.map(|count| *count as f32).sum::<f32>()
-    };
-    let order = by_weight(names.len(), kept_for);
+    let order = order(report);
     pairs_ui(ui, "replacements", &names, &order, |loser, winner| {
         let count = *report.witnesses.get(loser, winner)?;
         Some(PairCell {
@@ -61,7 +55,7 @@ const ABOVE_MEAN: f32 = 3.0;
 const LEAST_FOOTPRINTS: f32 = 0.05;
 
 /// Both matrices, and notes on cameras that do not fit.
-pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("How well cameras agree");
     let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";
@@ -78,7 +72,6 @@ pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report, commands: &mut Commands
         };
         weak(ui, words).on_hover_text(help);
     }
-    table_ui(ui, Table::Agreement, commands);
     let title = "What never moves, 85 % within (a pose error shows here)";
     residuals_ui(ui, report, title, |pair| pair.lasting, |residual| residual.most_footprints);
     ui.add_space(space::SMALL);
@@ -107,10 +100,7 @@ fn residuals_ui(
         let end = format!("{} footprints or more", model::significant(f64::from(lightest)));
         bar(ui, "0", &end, 90.0, sequential);
     });
-    let order = by_weight(names.len(), |camera| {
-        (0..names.len()).filter_map(|other| value(camera, other)).fold(0.0, f32::max)
-    });
-    pairs_ui(ui, title, &names, &order, |row, column| {
+    pairs_ui(ui, title, &names, &order(report), |row, column| {
         let residual = of(report.residuals.get(row, column)?)?;
         let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
         Some(PairCell {
@@ -158,12 +148,12 @@ const GROWN: f32 = 4.0;
 /// Cameras up to which the square keeps the capture's order.
 const FEW: usize = 8;
 
-/// Cameras in the order of the square: that of the capture while they are few, else by what matters, most first.
-pub(crate) fn by_weight(cameras: usize, weight: impl Fn(usize) -> f32) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..cameras).collect();
-    if cameras > FEW {
-        let weights: Vec<f32> = order.iter().map(|camera| weight(*camera)).collect();
-        order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
+/// Cameras in the one order of all tables and matrices: that of the capture while they are few, else by what is kept of them, most first.
+pub(crate) fn order(report: &Report) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..report.cameras.len()).collect();
+    if report.cameras.len() > FEW {
+        let kept = |camera: &CameraReport| camera.background_kept + camera.foreground_kept;
+        order.sort_by_key(|index| std::cmp::Reverse(kept(&report.cameras[*index])));
     }
     order
 }
@@ -302,10 +292,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn few_cameras_keep_their_order_and_many_are_sorted_by_what_matters() {
-        let weight = |camera: usize| camera as f32;
-        assert_eq!(by_weight(3, weight), [0, 1, 2]);
-        assert_eq!(by_weight(10, weight), [9, 8, 7, 6, 5, 4, 3, 2, 1, 0]);
+    fn few_cameras_keep_their_order_and_many_are_sorted_by_what_is_kept() {
+        let kept = |background_kept| CameraReport { background_kept, ..CameraReport::default() };
+        let order =
+            |cameras| order(&Report { cameras: (0..cameras).map(kept).collect(), ..Report::default() });
+        assert_eq!(order(3), [0, 1, 2]);
+        assert_eq!(order(10), [9, 8, 7, 6, 5, 4, 3, 2, 1, 0]);
     }
 
     #[test]
