@@ -77,7 +77,7 @@ fn asked_for_full_screen(window: &mut Window) -> Option<bool> {
 }
 
 #[test]
-fn a_key_and_an_entry_of_the_menu_fill_the_screen_and_leave_it() {
+fn a_key_and_a_command_fill_the_screen_and_leave_it() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     assert_eq!(asked_for_full_screen(&mut window), None);
@@ -85,8 +85,10 @@ fn a_key_and_an_entry_of_the_menu_fill_the_screen_and_leave_it() {
     assert_eq!(asked_for_full_screen(&mut window), Some(true));
     window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default().fullscreen = Some(true);
     window.run_steps(2);
-    click(&mut window, "Panels");
-    window.get_by_label("Full screen").click();
+    click(&mut window, "Commands");
+    window.get_by_label("Command").type_text("Full screen");
+    window.run_steps(3);
+    window.get_by_label("Do: Full screen").click();
     assert_eq!(asked_for_full_screen(&mut window), Some(false));
 }
 

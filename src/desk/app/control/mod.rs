@@ -274,7 +274,13 @@ impl OverlookApp {
     }
 
     pub(crate) fn watch_work(&mut self) {
-        let busy = self.workers.watched().into_iter().filter_map(|(work, progress)| {
+        let watched = self.workers.watched();
+        let is_under_way = |stage: &str| watched.iter().flat_map(|(_, of)| of).any(|of| of.stage == stage);
+        self.stages.retain(|stage, _| is_under_way(stage));
+        if watched.iter().any(|(_, progress)| progress.is_some()) {
+            self.ctx.request_repaint_after(WATCH);
+        }
+        let busy = watched.into_iter().filter_map(|(work, progress)| {
             // Comparing takes long only if the capture is read again.
             let progress = progress.filter(|progress| work != WorkKind::Compare || progress.total > 0)?;
             let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
@@ -291,11 +297,6 @@ impl OverlookApp {
             Some(Busy { work, progress, cancellable: work != WorkKind::MeasureAccuracy, secs_left })
         });
         self.state.busy = busy.collect();
-        let busy = &self.state.busy;
-        self.stages.retain(|stage, _| busy.iter().any(|busy| busy.progress.stage == *stage));
-        if !self.state.busy.is_empty() {
-            self.ctx.request_repaint_after(WATCH);
-        }
         let before = self.state.notices.len();
         self.state
             .notices

@@ -10,7 +10,7 @@ use egui_material_icons::icons::{
 };
 
 use crate::app::model::command::{FileCommand, Opening, ReadingCommand, ViewCommand, WindowCommand};
-use crate::app::model::purpose::{FigureOf, Purpose, ShareCommand};
+use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::window::{
     CommandPalette, DockView, HelpPage, Notice, NoticeKind, NoticeLink, Workspace,
 };
@@ -85,18 +85,14 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 commands.push(Command::File(FileCommand::Open(Opening::Path(path.clone()))));
             }
         }
-        if ui.button("Forget recent files").clicked() {
-            commands.push(Command::File(FileCommand::ForgetRecent));
-        }
     });
 }
 
 fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_SAVE, "Save", |ui| {
-        let (opened, shown) = (state.doc.scene.is_some(), state.doc.live_shown.is_some());
+        let opened = state.doc.scene.is_some();
         for (name, keys, enabled, command) in [
             ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
-            ("Copy picture", "", shown, Command::Share(ShareCommand::CopyPicture(FigureOf::Live))),
             ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
             ("Copy as command line", "", opened, Command::File(FileCommand::CopyCommandLine)),
             ("Save session…", "Ctrl+S", opened, Command::File(FileCommand::AskPath(Purpose::SaveSession))),
@@ -144,8 +140,6 @@ fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 }
             }
         });
-        ui.separator();
-        size_ui(ui, commands);
         ui.separator();
         if ui.button("Reset layout").on_hover_text("Put all views where they were at first").clicked() {
             commands.push(Command::Window(WindowCommand::ResetLayout));
@@ -217,26 +211,6 @@ pub(crate) fn workspaces_ui(ui: &mut Ui, state: &State, rest: f32, commands: &mu
         ui.allocate_ui_with_layout(area, layout, |ui| segments_ui(ui, "Workspace", now, Workspace::ALL)).inner
     };
     commands.extend(chosen.map(|it| Command::Window(WindowCommand::Workspace(it))));
-}
-
-/// How large the window's contents are.
-fn size_ui(ui: &mut Ui, commands: &mut Commands) {
-    ui.horizontal(|ui| {
-        ui.label("Interface size");
-        let percent = format!("{:.0} %", 100.0 * ui.ctx().zoom_factor());
-        for (text, name, help, step) in [
-            ("−", "Smaller interface", "Everything smaller (Ctrl+−)", -1),
-            (percent.as_str(), "Normal interface", "As large as the system says (Ctrl+0)", 0),
-            ("+", "Larger interface", "Everything larger (Ctrl++)", 1),
-        ] {
-            if ui.button(text).on_hover_text(help).accessible_name(name).clicked() {
-                commands.push(Command::Window(WindowCommand::InterfaceSize(step)));
-            }
-        }
-    });
-    if ui.add(Button::new("Full screen").shortcut_text("F11")).accessible_name("Full screen").clicked() {
-        commands.push(Command::Window(WindowCommand::FullScreen));
-    }
 }
 
 pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
@@ -350,6 +324,10 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
             let right = ctx.content_rect().right() - WIDTH - space::LARGE;
             let corner = egui::pos2((picture.left() + 8.0).min(right), picture.bottom() - 8.0);
             area.pivot(Align2::LEFT_BOTTOM).fixed_pos(corner)
+        }
+        None if state.doc.scene.is_some() => {
+            let below = space::STATUS + space::TIMELINE + 2.0 * space::LARGE;
+            area.anchor(Align2::LEFT_BOTTOM, egui::vec2(space::LARGE + 8.0, -below))
         }
         // Above the ways to open something.
         None => {

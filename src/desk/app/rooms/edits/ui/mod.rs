@@ -4,8 +4,8 @@ pub(crate) mod drawing;
 
 use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, Slider, TextEdit, Ui};
 use egui_material_icons::icons::{
-    ICON_BRUSH, ICON_COLORIZE, ICON_DELETE, ICON_HIGHLIGHT_ALT, ICON_LASSO_SELECT, ICON_LAYERS,
-    ICON_MORE_VERT, ICON_REDO, ICON_UNDO,
+    ICON_ARROW_DROP_DOWN, ICON_BRUSH, ICON_COLORIZE, ICON_DELETE, ICON_HIGHLIGHT_ALT, ICON_LASSO_SELECT,
+    ICON_LAYERS, ICON_MORE_VERT, ICON_REDO, ICON_UNDO,
 };
 use glam::DVec3;
 
@@ -379,7 +379,7 @@ pub(crate) fn select_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>)
                 sent.push(EditCommand::Select(region));
             }
         }
-        ui.menu_button("By rule ⏷", |ui| rules_ui(ui, state, sent))
+        ui.menu_button(("By rule", ICON_ARROW_DROP_DOWN.rich_text()), |ui| rules_ui(ui, state, sent))
             .response
             .accessible_name("Select by rule");
     });

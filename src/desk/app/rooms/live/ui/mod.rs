@@ -93,8 +93,11 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
         commands.push(Command::View(ViewCommand::Size(size)));
     }
     if let Some(seen) = state.live_seen() {
-        widgets::empty_canvas(ui, &painter, canvas);
-        picture(&painter, seen.texture, place_of(state, &seen.camera.intrinsics, canvas));
+        let place = place_of(state, &seen.camera.intrinsics, canvas);
+        if place != canvas {
+            widgets::empty_canvas(ui, &painter, canvas);
+        }
+        picture(&painter, seen.texture, place);
         widgets::note_picture(ui, canvas, "live picture");
     } else {
         widgets::empty_canvas(ui, &painter, canvas);

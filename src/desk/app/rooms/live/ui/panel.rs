@@ -6,9 +6,7 @@ use egui::{
     Checkbox, DragValue, Grid, Label, Popup, PopupCloseBehavior, Rect, Response, RichText, ScrollArea, Sense,
     Slider, SliderClamping, TextEdit, Ui, vec2,
 };
-use egui_material_icons::icons::{
-    ICON_BOOKMARK_ADD, ICON_CONTENT_COPY, ICON_CONTENT_PASTE, ICON_DELETE, ICON_PLACE,
-};
+use egui_material_icons::icons::{ICON_BOOKMARK_ADD, ICON_DELETE, ICON_PLACE};
 
 use crate::app::camera_cues;
 use crate::app::model::camera::{ANGLES_OF_VIEW, OrbitCamera, ViewAngles};
@@ -111,25 +109,7 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
             sent.push(ViewCommand::look(&state.live, |live| live.unit = unit));
         }
     });
-    ui.horizontal_wrapped(|ui| {
-        for (icon, name, help, command) in [
-            (ICON_CONTENT_COPY, "Copy view", COPY, ViewCommand::Copy),
-            (
-                ICON_CONTENT_PASTE,
-                "Paste view",
-                "Go to a copied view or address (Ctrl+V).",
-                ViewCommand::Paste,
-            ),
-        ] {
-            let button = ui.button((icon.rich_text(), name)).accessible_name(name);
-            if button.on_hover_text(help).clicked() {
-                sent.push(command);
-            }
-        }
-    });
 }
-
-const COPY: &str = "Copy pose, lens and frame as text (Ctrl+C): a transforms.json that this window pastes and render --views takes.";
 
 fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
     let mut guides = state.live.guides;
@@ -218,9 +198,6 @@ pub(crate) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewComma
     let button = ui.button((ICON_BOOKMARK_ADD.rich_text(), "Keep view")).accessible_name("Keep view");
     if button.on_hover_text("Keep this view and its frame in the list (Ctrl+D).").clicked() {
         sent.push(ViewCommand::Kept(KeptViewCommand::Keep));
-    }
-    if !kept.is_empty() {
-        note(ui, "A picture goes there; Alt and the left arrow come back. Sessions keep the list.");
     }
 }
 

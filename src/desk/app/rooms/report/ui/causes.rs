@@ -18,14 +18,11 @@ use crate::app::widgets::{dot, note, weak};
 use overlook_engine::alignment::{AlignedCamera, Alignment};
 use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
 
-/// Least width of a bar with its name, points. Narrower ones are drawn as one bar of all.
+/// Least width of a bar with its name, points. Where they have less, the least shares have no bar.
 const LEAST_WIDTH: f32 = 78.0;
 
 /// Between two bars, points.
 const GAP: f32 = 10.0;
-
-/// Width of the one bar, points: what is narrower says nothing.
-const LEAST_WHOLE: f32 = 90.0;
 
 /// Shares below this have no bar: 0.1 %.
 const LEAST_SHARE: f32 = 0.001;
@@ -82,21 +79,19 @@ fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
 /// The bars in the room that is left; nothing where that is too little.
 pub(crate) fn causes_ui(ui: &mut Ui, account: &PixelAccount) -> Option<Response> {
     let tokens = Tokens::in_ui(ui);
-    let all = causes(account, tokens);
+    let mut all = causes(account, tokens);
     let room = ui.available_size();
+    let fits = ((room.x + GAP) / (LEAST_WIDTH + GAP)) as usize;
+    let mut shares: Vec<u64> = all.iter().map(|cause| cause.pixels).collect();
+    shares.sort_unstable_by_key(|pixels| std::cmp::Reverse(*pixels));
+    let least = shares.get(fits.checked_sub(1)?).or(shares.last()).copied()?;
+    all.retain(|cause| cause.pixels >= least);
     let each = (room.x + GAP) / all.len() as f32 - GAP;
-    if room.x < LEAST_WHOLE {
-        return None;
-    }
     let (area, response) = ui.allocate_exact_size(room, Sense::click());
     let parts: Vec<String> =
         all.iter().map(|cause| format!("{} {}", cause.name, percent(cause, account))).collect();
     let name = format!("What became of all pixels: {}", parts.join(", "));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-    if each < LEAST_WIDTH {
-        whole_bar(ui, area, &all, account);
-        return Some(response.on_hover_text(format!("{name}. Click for the rules.")));
-    }
     let pointer = response.hover_pos();
     let mut help = None;
     for (nth, cause) in all.iter().enumerate() {
@@ -137,21 +132,6 @@ fn cause_bar(ui: &Ui, place: Rect, cause: &Cause, account: &PixelAccount, tokens
     painter.rect_filled(rail, 2.0, tokens.raised);
     let length = if cause.pixels > 0 { (rail.width() * share(cause, account)).max(1.5) } else { 0.0 };
     painter.rect_filled(Rect::from_min_size(rail.min, vec2(length, BAR)), 2.0, cause.color);
-}
-
-/// One bar of all shares, under its name.
-fn whole_bar(ui: &Ui, area: Rect, all: &[Cause], account: &PixelAccount) {
-    let tokens = Tokens::in_ui(ui);
-    let font = TextStyle::Small.resolve(ui.style());
-    let name = ui.painter().text(area.left_top(), Align2::LEFT_TOP, "All pixels", font, tokens.text_weak);
-    let mut left = area.left();
-    let top = name.bottom() + 4.0;
-    for cause in all {
-        let width = area.width() * share(cause, account);
-        let part = Rect::from_min_size(pos2(left, top), vec2(width, 2.0 * BAR));
-        ui.painter().rect_filled(part, 0.0, cause.color);
-        left += width;
-    }
 }
 
 /// The corrections, and a button that shows the picture with and without them. Nothing without corrections.

@@ -1,7 +1,6 @@
 //! How many samples each rule pruned, for which camera; how well cameras agree; and how noisy the capture is.
 
 mod causes;
-pub(crate) mod export;
 mod pairs;
 
 use egui::{Align, Color32, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
@@ -29,14 +28,14 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         if let Some(words) = state.stale_note() {
             ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
         }
+        alignment_ui(ui, state, report, commands);
         let counts = |ui: &mut Ui| {
             rules_ui(ui, report);
             ui.add_space(space::LARGE);
             cameras_ui(ui, report);
             memory_ui(ui, state);
         };
-        let mut pairs = |ui: &mut Ui| {
-            alignment_ui(ui, state, report, commands);
+        let pairs = |ui: &mut Ui| {
             replacements_ui(ui, report);
             ui.add_space(space::LARGE);
             agreement_ui(ui, report);
@@ -238,8 +237,6 @@ pub(crate) struct KeyFigure {
     pub value: String,
     pub note: String,
     help: String,
-    /// Whether it changes with the whole-capture settings, so that it can be out of date.
-    of_whole: bool,
 }
 
 /// The note on what is known of the frame that is shown, until the whole capture is pruned.
@@ -290,7 +287,6 @@ fn widths(ui: &Ui, figures: &[KeyFigure]) -> (Vec<f32>, f32) {
 
 fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
     let tokens = Tokens::in_ui(ui);
-    let stale = stale && figure.of_whole;
     ui.set_min_width(ui.available_width());
     ui.set_max_width(ui.available_width() - MARGIN);
     ui.spacing_mut().item_spacing = vec2(GAP, 1.0);
@@ -330,11 +326,11 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
     let bytes_here = state.inspection_here().filter(|_| here.is_some()).map(|it| it.samples.bytes());
     let account = report.map(Report::pixel_account).or(here);
     let before_edits = if state.doc.edits.list.is_idle() { "" } else { ", before edits" };
-    let figure = |name, of_whole, value_and_note: Option<[String; 2]>, help: &str| {
+    let figure = |name, value_and_note: Option<[String; 2]>, help: &str| {
         let [value, note] = value_and_note.unwrap_or_else(|| ["…".to_owned(), String::new()]);
         let first =
             if note == THIS_FRAME { "Of the frame that is shown, until all are pruned. " } else { "" };
-        KeyFigure { name, value, note, help: format!("{first}{help}"), of_whole }
+        KeyFigure { name, value, note, help: format!("{first}{help}") }
     };
     let memory_note = |report: &Report| match state.content() {
         Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
@@ -344,7 +340,6 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
     let mut figures = vec![
         figure(
             "Samples kept",
-            true,
             report
                 .map(|r| {
                     [model::count(r.samples_kept), format!("of {}{before_edits}", model::count(r.samples_in))]
@@ -354,7 +349,6 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
         ),
         figure(
             "Dropped",
-            true,
             account.map(|account| {
                 let note = if report.is_some() { String::new() } else { THIS_FRAME.to_owned() };
                 [model::percent(account.not_kept(), account.pixels), note]
@@ -363,7 +357,6 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
         ),
         figure(
             "Memory",
-            true,
             report
                 .map(|r| [model::bytes(r.bytes_memory), memory_note(r)])
                 .or(bytes_here.map(|bytes| of_frame(model::bytes(bytes)))),
@@ -392,12 +385,12 @@ fn dropped_help(account: &PixelAccount) -> String {
 
 fn accuracy_figure(
     accuracy: Option<Accuracy>,
-    figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> KeyFigure,
+    figure: impl Fn(&'static str, Option<[String; 2]>, &str) -> KeyFigure,
 ) -> KeyFigure {
     let Some(accuracy) = accuracy else {
         let help = "Accuracy is measured at the viewpoints whose true picture is known, once the scene is pruned and rests: not while it \
                     plays, nor after Esc.";
-        return figure("Accuracy", true, None, help);
+        return figure("Accuracy", None, help);
     };
     let Accuracy { psnr_db, unpruned_psnr_db, views } = accuracy;
     let help = format!(
@@ -406,7 +399,7 @@ fn accuracy_figure(
         counted(views, "viewpoint")
     );
     let change = format!("{:+.2} dB vs unpruned", psnr_db - unpruned_psnr_db);
-    figure("Accuracy", true, Some([format!("{psnr_db:.1} dB"), change]), &help)
+    figure("Accuracy", Some([format!("{psnr_db:.1} dB"), change]), &help)
 }
 
 /// What the samples of each camera take, where they are in memory: a store plays from disk.

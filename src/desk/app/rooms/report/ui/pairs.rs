@@ -1,6 +1,9 @@
 //! Which camera's samples replace whose, and how well cameras agree on positions: a wrong pose shows on static surfaces, a wrong clock
 //! on moving ones, noise on both.
 
+use std::f32::consts::FRAC_PI_2;
+
+use egui::epaint::TextShape;
 use egui::{Align2, Color32, FontId, Painter, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
 use crate::app::camera_cues;
@@ -128,7 +131,7 @@ pub(crate) struct PairCell {
 }
 
 const NAME_WIDTH: f32 = 78.0;
-const HEADER_HEIGHT: f32 = 18.0;
+const HEADER_HEIGHT: f32 = 76.0;
 
 /// Sides of a cell, points: from where its pairs can be told apart to where its number has room.
 const CELL: std::ops::RangeInclusive<f32> = 9.0..=44.0;
@@ -141,9 +144,6 @@ const TALLEST: f32 = 460.0;
 
 /// Height of a tall view that is left for what stands above and below the square.
 const AROUND: f32 = 110.0;
-
-/// How many times as large as usual cells become at most, where there is room for it.
-const GROWN: f32 = 4.0;
 
 /// Cameras up to which the square keeps the capture's order.
 const FEW: usize = 8;
@@ -158,14 +158,10 @@ pub(crate) fn order(report: &Report) -> Vec<usize> {
     order
 }
 
-/// Size of a cell, and how many times as large as usual the square is drawn, in so much room.
-fn cell_size(room: egui::Vec2, cameras: usize) -> (egui::Vec2, f32) {
-    let cameras = cameras as f32;
-    let width = (room.x - NAME_WIDTH) / cameras;
-    let usual = vec2(width.clamp(*CELL.start(), *CELL.end()), width.clamp(12.0, ROW));
-    let whole = vec2(NAME_WIDTH + CELL.end() * cameras, HEADER_HEIGHT + ROW * cameras);
-    let grown = (room / whole).min_elem().clamp(1.0, GROWN);
-    (usual * grown, grown)
+/// Size of a cell in so much width.
+fn cell_size(width: f32, cameras: usize) -> egui::Vec2 {
+    let width = (width - NAME_WIDTH) / cameras as f32;
+    vec2(width.clamp(*CELL.start(), *CELL.end()), width.clamp(12.0, ROW))
 }
 
 /// The cells of all pairs of cameras, `order` being their indices; `cell` is given those of row and column.
@@ -182,15 +178,15 @@ pub(crate) fn pairs_ui(
     }
     // What is in view: the view itself is scrolled, and has no end.
     let tallest = (ui.clip_rect().height() - AROUND).max(TALLEST);
-    let (step, grown) = cell_size(vec2(ui.available_width(), ui.clip_rect().height() - AROUND), cameras);
-    let corner = vec2(NAME_WIDTH, HEADER_HEIGHT) * vec2(grown, 1.0);
+    let step = cell_size(ui.available_width(), cameras);
+    let corner = vec2(NAME_WIDTH, HEADER_HEIGHT);
     let size = corner + step * cameras as f32;
     let scroll = ScrollArea::both().id_salt(id).max_height(tallest).auto_shrink([false, true]);
     scroll.show_viewport(ui, |ui, viewport| {
         let (area, response) = ui.allocate_exact_size(size, Sense::hover());
         let seen = Rect::from_min_size(area.min + viewport.min.to_vec2(), viewport.size()).intersect(area);
         let cells = Rect::from_min_max(seen.min + corner, seen.max);
-        let grid = PairGrid { names, order, corner: area.min + corner, cell: step, grown };
+        let grid = PairGrid { names, order, corner: area.min + corner, cell: step };
         let painter = ui.painter().with_clip_rect(cells.intersect(ui.clip_rect()));
         for row in grid.rows(cells) {
             for column in grid.columns(cells) {
@@ -222,8 +218,6 @@ struct PairGrid<'a> {
     /// Corner of the first cell.
     corner: egui::Pos2,
     cell: egui::Vec2,
-    /// How many times as large as usual it is drawn.
-    grown: f32,
 }
 
 impl PairGrid<'_> {
@@ -249,12 +243,12 @@ impl PairGrid<'_> {
         if let (Some(cell), Some(strength)) = (cell, strength.filter(|_| self.cell.x >= 40.0)) {
             // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
             let color = if strength > 0.55 { Color32::BLACK } else { Color32::WHITE };
-            let font = FontId::proportional((10.0 * self.grown).min(16.0));
+            let font = FontId::proportional(10.0);
             painter.text(rect.center(), Align2::CENTER_CENTER, cell.text, font, color);
         }
     }
 
-    /// Names at the left end and signs above, of what is in view.
+    /// Names at the left end and above, of what is in view.
     fn names_ui(&self, ui: &Ui, seen: Rect, cells: Rect) {
         let tokens = Tokens::in_ui(ui);
         let font = egui::TextStyle::Small.resolve(ui.style());
@@ -264,15 +258,21 @@ impl PairGrid<'_> {
             let camera = self.order[row];
             let at = pos2(seen.left(), self.corner.y + self.cell.y * (row as f32 + 0.5));
             camera_cues::sign(&painter, Rect::from_center_size(at + vec2(5.0, 0.0), vec2(9.0, 9.0)), camera);
-            let name = short(self.names.get(camera).unwrap_or(&""), (11.0 * self.grown) as usize);
+            let name = short(self.names.get(camera).unwrap_or(&""), 11);
             painter.text(at + vec2(14.0, 0.0), Align2::LEFT_CENTER, name, font.clone(), tokens.text);
         }
         let top = Rect::from_min_max(pos2(cells.left(), seen.top()), pos2(seen.right(), cells.top()));
         let painter = ui.painter().with_clip_rect(top.intersect(ui.clip_rect()));
         for column in self.columns(cells) {
-            let at = pos2(self.corner.x + self.cell.x * (column as f32 + 0.5), seen.top() + 8.0);
+            let at = pos2(self.corner.x + self.cell.x * (column as f32 + 0.5), cells.top() - 8.0);
             let side = vec2(9.0, 9.0).min(egui::Vec2::splat(self.cell.x - 1.0));
-            camera_cues::sign(&painter, Rect::from_center_size(at, side), self.order[column]);
+            let camera = self.order[column];
+            camera_cues::sign(&painter, Rect::from_center_size(at, side), camera);
+            // Names go up from their columns.
+            let name = short(self.names.get(camera).unwrap_or(&""), 11);
+            let name = painter.layout_no_wrap(name, font.clone(), tokens.text);
+            let corner = at + vec2(-0.5 * name.size().y, -8.0);
+            painter.add(TextShape::new(corner, name, tokens.text).with_angle(-FRAC_PI_2));
         }
     }
 }
@@ -301,22 +301,10 @@ mod tests {
     }
 
     #[test]
-    fn a_square_grows_with_the_room_for_all_of_it_and_never_shrinks_below_its_usual_size() {
-        let usual = cell_size(vec2(298.0, 500.0), 5);
-        assert_eq!(usual, (vec2(44.0, 24.0), 1.0));
-        assert_eq!(cell_size(vec2(2000.0, 100.0), 5), usual, "a low view has no room for more");
-        let (cell, grown) = cell_size(vec2(900.0, 420.0), 5);
-        assert!(grown > 2.0 && cell == vec2(44.0, 24.0) * grown, "{cell} {grown}");
-        assert!(NAME_WIDTH * grown + cell.x * 5.0 <= 900.0 && HEADER_HEIGHT + cell.y * 5.0 <= 420.0);
-        assert_eq!(cell_size(vec2(9000.0, 9000.0), 2).1, GROWN);
-        assert_eq!(cell_size(vec2(900.0, 900.0), 300), (vec2(9.0, 12.0), 1.0));
-    }
-
-    #[test]
     fn of_a_large_square_only_what_is_in_view_is_drawn() {
         let order: Vec<usize> = (0..300).collect();
         let (corner, cell) = (pos2(0.0, 0.0), vec2(10.0, 12.0));
-        let grid = PairGrid { names: &[], order: &order, corner, cell, grown: 1.0 };
+        let grid = PairGrid { names: &[], order: &order, corner, cell };
         let seen = Rect::from_min_size(pos2(100.0, 240.0), vec2(200.0, 120.0));
         assert_eq!((grid.columns(seen), grid.rows(seen)), (10..30, 20..30));
         let beyond = Rect::from_min_size(pos2(2900.0, 3500.0), vec2(400.0, 400.0));

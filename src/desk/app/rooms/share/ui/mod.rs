@@ -3,9 +3,9 @@
 mod options;
 
 use egui::{Align, Button, Frame, Id, Label, Layout, Modal, ProgressBar, RichText, Ui, Vec2};
-use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN, ICON_LINK};
+use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN};
 
-use crate::app::model::command::{FileCommand, ViewCommand};
+use crate::app::model::command::FileCommand;
 use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{self, Busy, Command, Commands, State, WorkKind};
 use crate::app::rooms::files::paths::what_is_missing;
@@ -63,18 +63,9 @@ pub(crate) fn share_ui(ctx: &egui::Context, state: &State, commands: &mut Comman
 }
 
 fn footer_ui(ui: &mut Ui, commands: &mut Commands) {
-    ui.horizontal(|ui| {
-        let copy = ui.button((ICON_LINK.rich_text(), "Copy the address of this view"));
-        let copy = copy.accessible_name("Copy the address of this view from here");
-        if copy.on_hover_text("For whoever has the scene or its page (Ctrl+L).").clicked() {
-            commands.push(Command::View(ViewCommand::CopyAddress));
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.button("Close").accessible_name("Close sharing").clicked() {
-                commands.push(Command::Share(ShareCommand::Close));
-            }
-        });
-    });
+    if ui.button("Close").accessible_name("Close sharing").clicked() {
+        commands.push(Command::Share(ShareCommand::Close));
+    }
 }
 
 /// Every way with its size.

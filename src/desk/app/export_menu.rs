@@ -1,11 +1,11 @@
 //! The one button beside the tabs of a view whose menu copies and saves what the view shows: its chart, and its tables.
 
 use egui::{Button, Ui};
-use egui_material_icons::icons::ICON_DOWNLOAD;
+use egui_material_icons::icons::{ICON_ARROW_DROP_DOWN, ICON_DOWNLOAD};
 
 use crate::app::model::command::FileCommand;
 use crate::app::model::purpose::{Purpose, Table, TableForm};
-use crate::app::model::window::DockView;
+use crate::app::model::window::{Area, DockView};
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::charts::ui::parts::chart_commands;
@@ -39,10 +39,11 @@ pub(crate) fn export_ui(ui: &mut Ui, view: DockView, state: &State, commands: &m
     if tables.is_empty() {
         return;
     }
-    let button = if ui.available_width() < NARROW {
+    // The tabs of the side panel need the room.
+    let button = if ui.available_width() < NARROW || view.area() == Some(Area::Side) {
         Button::new(ICON_DOWNLOAD.rich_text().size(16.0))
     } else {
-        Button::new("Export ⏷")
+        Button::new(("Export", ICON_ARROW_DROP_DOWN.rich_text()))
     };
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         ui.set_min_width(190.0);
