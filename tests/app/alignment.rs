@@ -30,7 +30,7 @@ fn a_camera_that_was_moved_is_told_and_compared_with_what_it_claimed() {
     write_misplaced(folder.path());
     let mut window = open(Start::Path(folder.path().to_path_buf()), SIZE);
     settle(&mut window);
-    open_view(&mut window, "Matrix");
+    open_view(&mut window, "Report");
     assert!(shows(&window, "What was corrected") && shows(&window, "footprints"));
     let moved = window.query_all_by_label_contains("0.50°").count();
     assert_eq!(moved, 1, "one camera was turned");
@@ -49,7 +49,7 @@ fn a_camera_that_was_moved_is_told_and_compared_with_what_it_claimed() {
 fn a_capture_that_is_right_has_nothing_to_compare() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    open_view(&mut window, "Matrix");
+    open_view(&mut window, "Report");
     assert!(!shows(&window, "What was corrected"));
     assert!(window.query_by_label("Compare before and after").is_none());
 }

@@ -1,8 +1,8 @@
 //! The live view's camera: moved by numbers, copied and pasted, along paths that are saved; and the cameras that it shows.
 
 use super::driver::{
-    SIZE, Window, choose, click, copied, demo, drag, open, open_view, pick, settle, shows, small_demo, told,
-    type_path, wait,
+    SIZE, Window, choose, click, copied, demo, drag, fold, open, open_view, pick, settle, shows, small_demo,
+    told, type_path, wait,
 };
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
@@ -14,6 +14,8 @@ fn explore() -> Window {
     settle(&mut window);
     click(&mut window, "Workspace: Explore");
     settle(&mut window);
+    fold(&mut window, "Pose");
+    fold(&mut window, "Guides");
     window
 }
 
@@ -224,7 +226,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     settle(&mut window);
     open_view(&mut window, "Camera path");
     let there = position(&window);
-    type_path(&mut window, "Save camera path to path", &file, "Save this path");
+    type_path(&mut window, "Save camera path", &file, "Save this path");
     wait(&mut window, "the file", |window| told(window, "Saved"));
     let views = overlook_engine::capture::transforms::open_views(&file).unwrap();
     assert_eq!(views.len(), 49, "as render --views takes them");
@@ -239,7 +241,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     assert!(window.query_by_label("Key 1").is_none());
     window.key_press(Key::Home);
     settle(&mut window);
-    type_path(&mut window, "Open camera path from path", &file, "Load this path");
+    type_path(&mut window, "Open camera path", &file, "Load this path");
     wait(&mut window, "the keys", |window| window.query_by_label("Key 2").is_some());
     while !window.state().observed().notices.is_empty() {
         window.key_press(Key::Escape);
@@ -251,7 +253,7 @@ fn a_camera_path_is_saved_rendered_and_opened_again() {
     let apart: f64 = position(&window).iter().zip(there).map(|(a, b)| (a - b).abs()).sum();
     assert!(apart < 1e-9 && window.state().observed().frame == 1, "{apart}");
     std::fs::write(&file, "no path").unwrap();
-    type_path(&mut window, "Open camera path from path", &file, "Load this path");
+    type_path(&mut window, "Open camera path", &file, "Load this path");
     wait(&mut window, "the message", |window| {
         window.state().observed().notices.iter().any(|notice| notice.contains("holds no JSON"))
     });

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::driver::{
-    SIZE, Window, click, demo, drop_on, pick, settle, shows, small_capture, small_demo, wait,
+    SIZE, Window, click, demo, do_command, drop_on, pick, settle, shows, small_capture, small_demo, wait,
 };
 use eframe::egui_wgpu::RenderState;
 use egui_kittest::Harness;
@@ -48,9 +48,7 @@ fn live_picture(window: &mut Window) -> image::RgbaImage {
 fn set_in_motion(window: &mut Window) {
     // Cameras are drawn over the picture with what they see, which is of the frame before while time passes.
     click(window, "Hide cameras");
-    window.get_by_label("Line-of-sight test").scroll_to_me();
-    window.run_steps(3);
-    click(window, "Line-of-sight test");
+    do_command(window, "Line-of-sight test: off");
     window.get_by_label("Hole filling").scroll_to_me();
     window.run_steps(3);
     pick(window, "Hole filling", "None");

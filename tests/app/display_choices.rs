@@ -5,7 +5,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use image::RgbaImage;
 
-use super::driver::{SIZE, Window, choose, click, open, open_view, settle, small_demo};
+use super::driver::{SIZE, Window, choose, click, fold, open, open_view, settle, small_demo};
 
 /// A window with the Color panel beside both pictures, and no axes over them.
 fn with_colors() -> Window {
@@ -13,6 +13,7 @@ fn with_colors() -> Window {
     settle(&mut window);
     click(&mut window, "Hide cameras");
     open_view(&mut window, "View");
+    fold(&mut window, "Guides");
     window.get_by_label("Axes").scroll_to_me();
     window.run_steps(3);
     click(&mut window, "Axes");
@@ -48,6 +49,7 @@ fn one_channel_is_shown_in_gray_in_both_views() {
         assert!(gray < 0.9, "{name} has colors: {gray} is gray");
     }
     let mut before = Vec::new();
+    fold(&mut window, "Tone curve and channel");
     for channel in ["R", "G", "B", "Luminance"] {
         choose(&mut window, "Channel", channel);
         settle(&mut window);
@@ -66,6 +68,7 @@ fn one_channel_is_shown_in_gray_in_both_views() {
 fn every_tone_curve_shows_another_picture() {
     let mut window = with_colors();
     let mut before: Vec<RgbaImage> = Vec::new();
+    fold(&mut window, "Tone curve and channel");
     for curve in ["sRGB", "Gamma", "Filmic", "Reinhard", "False color"] {
         choose(&mut window, "Tone curve", curve);
         settle(&mut window);

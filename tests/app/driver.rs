@@ -236,6 +236,39 @@ pub(crate) fn drag(window: &mut Window, name: &str, from: egui::Vec2, by: egui::
     window.run_steps(2);
 }
 
+/// Opens or closes what is folded below a line of this name.
+pub(crate) fn fold(window: &mut Window, name: &str) {
+    window.get_all_by_label(name).next().unwrap().scroll_to_me();
+    window.run_steps(3);
+    window.get_all_by_label(name).next().unwrap().click();
+    // It opens by and by.
+    window.run_steps(8);
+    settle(window);
+}
+
+/// Clicks the button of holes until it says so.
+pub(crate) fn show_holes(window: &mut Window, choice: &str) {
+    for _ in 0..3 {
+        if window.query_by_label(&format!("Holes: {choice}")).is_some() {
+            return;
+        }
+        window.get_by_label_contains("Holes: ").click();
+        window.run_steps(3);
+    }
+}
+
+/// Copies a table by the button beside the tab of its view.
+pub(crate) fn copy_table(window: &mut Window, view: &str, form: &str, table: &str) {
+    click(window, &format!("Export {view}"));
+    let entry = format!("Copy {form} of the {table}");
+    if window.query_by_label(&entry).is_none() {
+        let menu = format!("{}{}", table[..1].to_uppercase(), &table[1..]);
+        window.get_by_label_contains(&menu).click();
+        window.run_steps(3);
+    }
+    window.get_by_label(&entry).click();
+}
+
 /// Clicks one of a row of choices.
 pub(crate) fn choose(window: &mut Window, row: &str, choice: &str) {
     click(window, &format!("{row}: {choice}"));
@@ -249,7 +282,7 @@ pub(crate) fn do_command(window: &mut Window, entry: &str) {
     click(window, &format!("Do: {entry}"));
 }
 
-/// Types a path into the path field that an entry of the command palette opens, and takes it.
+/// Types a path into the field that comes up in place of the system's dialog, and takes it; an entry of the command palette asks for it.
 pub(crate) fn type_path(window: &mut Window, entry: &str, path: &Path, take: &str) {
     do_command(window, entry);
     window.get_by_label("Path").replace_selected_text_accesskit("");
@@ -271,7 +304,13 @@ pub(crate) fn open_share(window: &mut Window, way: &str) {
 
 /// Types a path into the dialog of all ways out, and takes it: `action` is what its field's button says.
 pub(crate) fn share_to(window: &mut Window, path: &Path, action: &str) {
-    click(window, "To path…");
+    let names = ["Save the ", "Save pictures", "Make the "];
+    let is_way = |node: &egui_kittest::kittest::AccessKitNode<'_>| {
+        let label = node.label().unwrap_or_default();
+        names.iter().any(|name| label.starts_with(name)) && label.ends_with('…')
+    };
+    window.query_all_by(is_way).next().unwrap().click();
+    window.run_steps(3);
     window.get_by_label("Path").replace_selected_text_accesskit("");
     window.run_steps(2);
     window.get_by_label("Path").set_text_value_accesskit(&path.display().to_string());
@@ -308,7 +347,7 @@ pub(crate) fn save_store(window: &mut Window, folder: &Path) -> PathBuf {
 
 /// Opens a store.
 pub(crate) fn open_store(window: &mut Window, path: &Path) {
-    type_path(window, "Open path", path, "Open this path");
+    type_path(window, "Open file", path, "Open this path");
     // Its source frames are not there, and neither is their view.
     wait(window, "the store", |window| !window.state().observed().views_in_sight.contains(&"Source"));
     settle(window);

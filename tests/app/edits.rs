@@ -165,6 +165,7 @@ fn a_click_selects_a_color_and_near_and_far_are_numbers() {
     press(&mut window, Modifiers::COMMAND, Key::I);
     assert!(shows(&window, "not color"));
     press(&mut window, Modifiers::NONE, Key::C);
+    click(&mut window, "Select by rule");
     click(&mut window, "Select Near and far");
     settle(&mut window);
     assert!(shows(&window, "range of depth"));

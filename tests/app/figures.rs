@@ -64,11 +64,11 @@ fn a_camera_in_a_wrong_place_is_called_a_pose_error_that_leads_to_the_matrix() {
     let warning = text_with(&window, "Check the capture: ");
     assert_eq!(warning, "Check the capture: pose error");
     assert!(shows(&window, "cam1"), "the camera is named");
-    window.get_all_by_label("Show in Matrix").next().unwrap().click();
+    window.get_all_by_label("Show in Report").next().unwrap().click();
     window.run_steps(3);
     settle(&mut window);
-    assert!(window.state().observed().views_in_sight.contains(&"Matrix"));
-    assert!(shows(&window, "Pose error: "), "the matrix says the same");
+    assert!(window.state().observed().views_in_sight.contains(&"Report"));
+    assert!(shows(&window, "Pose error: "), "the report says the same");
     assert!(
         !window.state().observed().notices.iter().any(|notice| notice.contains("pose error")),
         "and the warning is gone"
@@ -80,7 +80,7 @@ fn a_typed_name_takes_the_place_of_the_one_that_is_proposed_and_enter_saves_it_w
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    do_command(&mut window, "Save settings to path");
+    do_command(&mut window, "Save settings");
     window.run_steps(3);
     // No click and no selecting: the caret is in the field, and what it holds is selected.
     window.event(Event::Text(folder.path().join("mine").display().to_string()));
@@ -120,7 +120,7 @@ fn the_sweep_names_its_axes_and_its_kernels() {
     open_view(&mut window, "Sweep");
     measure(&mut window, "Run a sweep…");
     wait(&mut window, "a point", |window| shows(window, "settings; click one to apply it"));
-    for name in ["X axis", "Y axis", "Copy CSV of the sweep"] {
+    for name in ["X axis", "Y axis", "Export Sweep"] {
         assert!(window.query_by_label(name).is_some(), "{name}");
     }
     assert!(shows(&window, "Gather") || shows(&window, "Interpolate cameras"), "the kernel of the points");

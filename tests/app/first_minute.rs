@@ -49,7 +49,7 @@ fn a_start_without_anything_to_open_shows_a_room_that_moves_says_what_it_is_and_
     for size in [[1280.0, 800.0], [1024.0, 640.0]] {
         let mut window = open_fresh(Start::Welcome, size);
         wait(&mut window, "time to pass", |window| window.state().observed().frame > 0);
-        wait(&mut window, "the first picture", |window| shows(window, "covered"));
+        wait(&mut window, "the first picture", |window| shows(window, "samples drawn"));
         assert!(shows(&window, "9 cameras filmed this room for 60 frames"));
         for nothing in ["–", "…"] {
             assert!(window.query_all_by_label(nothing).next().is_none(), "a figure is {nothing}");

@@ -7,7 +7,8 @@ use image::RgbImage;
 use image::imageops::FilterType;
 
 use super::driver::{
-    SIZE, Window, choose, click, open, open_view, settle, share_path, shows, small_demo, wait_for_shared,
+    SIZE, Window, choose, click, fold, open, open_view, settle, share_path, shows, small_demo,
+    wait_for_shared,
 };
 
 /// A window in the workspace that has the View panel beside the live view.
@@ -16,9 +17,8 @@ fn explore() -> Window {
     settle(&mut window);
     click(&mut window, "Workspace: Explore");
     click(&mut window, "Hide cameras");
-    window.get_by_label("Measure distance").scroll_to_me();
-    window.run_steps(3);
-    settle(&mut window);
+    fold(&mut window, "Pose");
+    fold(&mut window, "Guides");
     window
 }
 

@@ -9,7 +9,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use overlook::app::{OverlookApp, Start};
 
-use super::driver::{SIZE, Storage, Window, click, open, settle, shows, small_capture, small_demo, wait};
+use super::driver::{
+    SIZE, Storage, Window, click, do_command, open, settle, shows, small_capture, small_demo, wait,
+};
 
 fn open_palette(window: &mut Window) {
     window.key_press_modifiers(Modifiers::COMMAND, Key::P);
@@ -91,17 +93,15 @@ fn what_was_open_before_is_offered_where_nothing_is_open() {
 }
 
 #[test]
-fn the_size_of_the_interface_is_found_in_the_menu_of_views() {
+fn the_size_of_the_interface_is_a_command() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     let size = |window: &mut Window, name: &str| {
-        click(window, "Panels");
-        click(window, name);
-        window.key_press(Key::Escape);
+        do_command(window, &format!("Interface size: {name}"));
         window.run_steps(3);
         window.ctx.zoom_factor()
     };
-    assert!(size(&mut window, "Larger interface") > 1.05);
-    assert_eq!(size(&mut window, "Normal interface"), 1.0);
-    assert!(size(&mut window, "Smaller interface") < 0.95);
+    assert!(size(&mut window, "larger") > 1.05);
+    assert_eq!(size(&mut window, "normal"), 1.0);
+    assert!(size(&mut window, "smaller") < 0.95);
 }

@@ -133,7 +133,7 @@ fn a_path_that_is_taken_asks_in_its_field_and_a_second_press_replaces() {
     std::fs::write(&path, "old").unwrap();
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    type_path(&mut window, "Save settings to path", &path, "Save this path");
+    type_path(&mut window, "Save settings", &path, "Save this path");
     wait(&mut window, "the question", |window| shows(window, "It exists already."));
     assert_eq!(std::fs::read(&path).unwrap(), b"old");
     window.run_steps(3);

@@ -34,7 +34,7 @@ fn write_pictures(folder: &Path, growth: f32) {
 
 /// Opens a folder of pictures by its path.
 fn open_pictures(window: &mut Window, folder: &Path) {
-    type_path(window, "Open pictures from path", folder, "Load this path");
+    type_path(window, "Compare with pictures of another program", folder, "Load this path");
     window.hover_at(egui::pos2(5.0, 5.0));
     settle(window);
 }
@@ -100,7 +100,7 @@ fn a_folder_without_pictures_of_the_viewpoints_and_a_store_say_so() {
     let path = save_store(&mut window, folder.path());
     open_store(&mut window, &path);
     open_view(&mut window, "Compare");
-    do_command(&mut window, "Open pictures from path");
+    do_command(&mut window, "Compare with pictures of another program");
     let notices = window.state().observed().notices;
     assert!(notices.iter().any(|text| text.contains("Nothing to compare pictures with")), "{notices:?}");
 }

@@ -6,7 +6,7 @@ use overlook::app::Start;
 use serde_json::json;
 
 use super::driver::{
-    SIZE, Window, changed_capture, click, open, settle, shows, small_capture, small_demo, wait,
+    SIZE, Window, changed_capture, click, do_command, open, settle, shows, small_capture, small_demo, wait,
 };
 
 fn is_told(window: &Window) -> bool {
@@ -57,22 +57,16 @@ fn a_misread_capture_is_compared_side_by_side_and_opened_otherwise_only_by_a_but
     assert!(!is_told(&window), "{notices:?}");
     assert!(notices.iter().any(|notice| notice.contains("another reading than that of its files")));
     assert_eq!(std::fs::read(capture.join("transforms.json")).unwrap(), manifest, "files stay as they are");
-    click(&mut window, "Open");
-    click(&mut window, "Compare readings…");
+    do_command(&mut window, "Compare readings");
     click(&mut window, "Open as its files say");
     wait(&mut window, "the capture", |window| positions(window) == as_read);
     settle(&mut window);
 }
 
 #[test]
-fn nothing_to_compare_is_said_with_its_reason_in_menu_and_palette() {
+fn nothing_to_compare_is_said_with_its_reason_in_the_palette() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
-    click(&mut window, "Open");
-    let entry = window.get_by_label("Compare readings…");
-    assert!(entry.accesskit_node().is_disabled());
-    window.key_press(Key::Escape);
-    window.run_steps(3);
     window.key_press_modifiers(egui::Modifiers::COMMAND, Key::P);
     window.run_steps(3);
     window.get_by_label("Command").type_text("compare readings");

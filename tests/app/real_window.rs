@@ -96,7 +96,7 @@ fn a_threshold_turned_in_the_window_is_in_the_store_it_saves_and_opens() {
         &display,
         || store.exists(),
         || {
-            xdotool(&display, &["key", "ctrl+s"]).unwrap();
+            say(&display, "share: store");
             choose_where(&display);
             type_path(&display, path);
         },

@@ -249,14 +249,9 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     choose(&mut window, "Compare by", "Difference");
     pick(&mut window, "Left side", "Truth");
     pick(&mut window, "From", "Camera left, held out");
-    open_view(&mut window, "Memory");
+    open_view(&mut window, "Cameras");
     settle(&mut window);
-    shoot(
-        &mut window,
-        "compare_truth",
-        &["PSNR", "in memory, by camera"],
-        &[("Comparison", Look::Difference)],
-    );
+    shoot(&mut window, "compare_truth", &["PSNR"], &[("Comparison", Look::Difference)]);
     open_view(&mut window, "Live view");
     choose(&mut window, "Source shows", "Motion");
     window.set_size(egui::vec2(1920.0, 1080.0));
@@ -302,7 +297,6 @@ fn the_window_shows_what_the_inspector_measures_and_how_it_explains_itself() {
     open_share(&mut window, "Interactive page");
     shoot(&mut window, "share", &["Interactive page: about", "Title of the page"], &[]);
     click(&mut window, "Close sharing");
-    open_view(&mut window, "Log");
     open_view(&mut window, "Sweep");
     measure(&mut window, "Run a sweep…");
     let points = if updating() { "12 settings; click one" } else { "1 setting; click it" };

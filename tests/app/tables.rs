@@ -3,15 +3,15 @@
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::driver::{
-    SIZE, Window, choose, click, copied, demo, look_at, measure, open, open_view, pick, settle, shows,
-    small_demo, wait,
+    SIZE, Window, choose, click, copied, copy_table, demo, look_at, measure, open, open_view, pick, settle,
+    shows, small_demo, wait,
 };
 use super::layout_faults::faults;
 use egui::{Key, vec2};
 
-/// Clicks a button that copies a table, and gives the lines that it leaves on the clipboard.
-fn copied_table(window: &mut Window, name: &str) -> Vec<String> {
-    window.get_all_by_label(&format!("Copy CSV of the {name}")).next().unwrap().click();
+/// Copies a table of a view, and gives the lines that it leaves on the clipboard.
+fn copied_table(window: &mut Window, view: &str, name: &str) -> Vec<String> {
+    copy_table(window, view, "CSV", name);
     let text = copied(window).unwrap_or_else(|| panic!("{name}: nothing was copied"));
     assert!(shows(window, &format!("The {name} is on the clipboard as CSV.")), "{name}");
     // The message lies over the lower panel.
@@ -26,28 +26,24 @@ fn the_tables_of_pixel_matrix_and_cameras_are_copied_with_a_line_of_names() {
     settle(&mut window);
     look_at(&mut window, "Source picture", vec2(0.5, 0.6));
     settle(&mut window);
-    let pixel = copied_table(&mut window, "pixel table");
+    let pixel = copied_table(&mut window, "Pixel", "pixel table");
     assert!(pixel[0].starts_with("camera,visible,depth_expected,") && pixel.len() == 4, "{pixel:?}");
-    open_view(&mut window, "Matrix");
-    let replaced = copied_table(&mut window, "matrix of replaced samples");
+    open_view(&mut window, "Report");
+    let replaced = copied_table(&mut window, "Report", "matrix of replaced samples");
     assert_eq!(replaced[0], "camera,replaced_by,samples");
     assert_eq!(replaced.len(), 1 + 3 * 2, "{replaced:?}");
-    let agreement = copied_table(&mut window, "matrix of agreement");
+    let agreement = copied_table(&mut window, "Report", "matrix of agreement");
     assert!(agreement[0].starts_with("camera,against,what,samples,"), "{agreement:?}");
     assert!(agreement.iter().any(|line| line.starts_with("front,left,static,")), "{agreement:?}");
-    open_view(&mut window, "Memory");
-    settle(&mut window);
-    let memory = copied_table(&mut window, "memory table");
+    let memory = copied_table(&mut window, "Report", "memory table");
     assert_eq!(memory[0], "camera,samples,bytes_of_several_frames,bytes_of_one_frame,bytes");
     assert_eq!(memory.len(), 4, "{memory:?}");
     open_view(&mut window, "Time");
-    let spans = copied_table(&mut window, "span table");
+    let spans = copied_table(&mut window, "Time", "span table");
     assert_eq!(spans[0], "first_frame,last_frame,frames,samples");
     assert!(spans.len() > 1 && spans.iter().skip(1).all(|line| line.split(',').count() == 4), "{spans:?}");
     open_view(&mut window, "Report");
-    window.get_by_label("Copy CSV of the camera table").scroll_to_me();
-    window.run_steps(3);
-    let cameras = copied_table(&mut window, "camera table");
+    let cameras = copied_table(&mut window, "Report", "camera table");
     assert!(cameras[0].starts_with("camera,pixels,kept,") && cameras.len() == 4, "{cameras:?}");
 }
 
@@ -68,8 +64,9 @@ fn with_a_point() -> Window {
 #[test]
 fn a_sweep_is_copied() {
     let mut window = with_a_point();
-    let sweep = copied_table(&mut window, "sweep");
+    let sweep = copied_table(&mut window, "Sweep", "sweep");
     assert!(sweep[0].starts_with("label,series,kernel,psnr_filled_db,") && sweep.len() > 1, "{sweep:?}");
+    click(&mut window, "Export Sweep");
     click(&mut window, "Copy the sweep chart");
     wait(&mut window, "the chart", |window| shows(window, "The sweep chart is on the clipboard"));
 }
@@ -129,12 +126,9 @@ fn at_the_usual_size_no_button_above_a_chart_is_cut_and_nothing_covers_the_legen
         settle(&mut window);
         assert_eq!(cut_off(&window), Vec::<String>::new(), "{size:?}");
         let chart = window.get_by_label("Sweep chart").rect();
-        let tables = ["Copy CSV", "Copy Markdown", "Copy LaTeX", "Save table…"];
-        let tables = tables.iter().map(|name| format!("{name} of the sweep"));
-        let charts = ["Copy", "Save"].iter().map(|verb| format!("{verb} the sweep chart"));
-        for name in tables.chain(charts) {
-            let button = window.get_by_label(&name).rect();
-            assert!(button.width() > 50.0 && button.height() < 30.0, "{name} at {size:?}: {button}");
+        for name in ["Run a sweep…", "Export Sweep"] {
+            let button = window.get_by_label(name).rect();
+            assert!(button.width() > 30.0 && button.height() < 34.0, "{name} at {size:?}: {button}");
             assert!(button.bottom() <= chart.top(), "{name} at {size:?}: {button}, {chart}");
         }
         assert!(window.get_by_label("Pareto front").rect().bottom() <= chart.top() + 1.0);
@@ -159,7 +153,13 @@ fn what_is_measured_is_chosen_first_with_how_much_that_is() {
             .parse()
             .unwrap()
     };
+    let quick = counted(&window);
+    choose(&mut window, "Amount", "Full");
     let all = counted(&window);
+    assert!(quick < all && window.query_by_label("Values: Coarse").is_none(), "{quick} of {all}");
+    choose(&mut window, "Amount", "Choose…");
+    // The dialog takes its place with all that can be chosen.
+    window.run_steps(4);
     click(&mut window, "Values: Coarse");
     let coarse = counted(&window);
     assert!(coarse < all && cut_off(&window).is_empty(), "{coarse} of {all}, {:?}", cut_off(&window));
@@ -174,7 +174,7 @@ fn what_is_measured_is_chosen_first_with_how_much_that_is() {
     click(&mut window, "Start measuring");
     settle(&mut window);
     assert!(window.query_by_label("Start measuring").is_none() && window.query_by_label("Resume").is_none());
-    let table = copied_table(&mut window, "stress test");
+    let table = copied_table(&mut window, "Stress test", "stress test");
     assert_eq!(table.len(), 3, "{table:?}");
 
     // Zero has no place on a logarithmic axis.

@@ -75,12 +75,12 @@ fn noisy_depth_is_called_noise_in_the_matrix_and_is_no_reason_to_doubt_poses() {
     let mut window = open(Start::Path(folder.path().to_path_buf()), SIZE);
     settle(&mut window);
     assert!(!is_warned(&window), "{:?}", window.state().observed().notices);
-    open_view(&mut window, "Matrix");
+    open_view(&mut window, "Report");
     assert!(shows(&window, "Noise: cameras differ by as much as the noise"));
     let noisy = scale_of_matrix(&window);
     let mut window = open(demo(5, 1, (160, 120)), SIZE);
     settle(&mut window);
-    open_view(&mut window, "Matrix");
+    open_view(&mut window, "Report");
     assert!(shows(&window, "No camera contradicts the others."));
     let exact = scale_of_matrix(&window);
     assert!(noisy > 3.0 * exact, "colors go as far as cameras are apart: {noisy} and {exact} footprints");

@@ -1,7 +1,7 @@
 //! The window as a viewer: views that fill it, workspaces, and what is hidden of it.
 
 use super::driver::{
-    SIZE, Window, click, demo, open, open_store, open_view, save_store, settle, shows, small_demo,
+    SIZE, Window, click, demo, do_command, open, open_store, open_view, save_store, settle, shows, small_demo,
 };
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -77,7 +77,7 @@ fn asked_for_full_screen(window: &mut Window) -> Option<bool> {
 }
 
 #[test]
-fn a_key_and_an_entry_of_the_menu_fill_the_screen_and_leave_it() {
+fn a_key_and_a_command_fill_the_screen_and_leave_it() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     assert_eq!(asked_for_full_screen(&mut window), None);
@@ -85,8 +85,10 @@ fn a_key_and_an_entry_of_the_menu_fill_the_screen_and_leave_it() {
     assert_eq!(asked_for_full_screen(&mut window), Some(true));
     window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default().fullscreen = Some(true);
     window.run_steps(2);
-    click(&mut window, "Panels");
-    window.get_by_label("Full screen").click();
+    click(&mut window, "Commands");
+    window.get_by_label("Command").type_text("Full screen");
+    window.run_steps(3);
+    window.get_by_label("Do: Full screen").click();
     assert_eq!(asked_for_full_screen(&mut window), Some(false));
 }
 
@@ -102,19 +104,14 @@ fn panels_hide_and_come_back_where_they_were() {
         let after = size_of_live_picture(&window);
         assert!(after.x * after.y > 1.2 * before.x * before.y, "{hidden}: {after}");
     }
-    click(&mut window, "Panels");
-    click(&mut window, "Show Source picture");
-    window.key_press(Key::Escape);
+    do_command(&mut window, "Hide the source picture");
     settle(&mut window);
     assert_eq!(window.state().observed().views_in_sight, ["Live view"]);
     window.key_press_modifiers(Modifiers::COMMAND, Key::Num2);
     settle(&mut window);
     assert_eq!((size_of_live_picture(&window), window.state().observed().views_in_sight), (docked, seen));
     assert!(shows(&window, "Samples kept"));
-    click(&mut window, "Panels");
-    click(&mut window, "Show Summary bar");
-    window.key_press(Key::Escape);
-    window.run_steps(3);
+    do_command(&mut window, "Hide the summary bar");
     assert!(!shows(&window, "Samples kept"));
     for (typed, shown) in [("show the summary bar", true), ("hide the summary bar", false)] {
         window.key_press_modifiers(Modifiers::COMMAND, Key::P);
@@ -155,7 +152,7 @@ fn each_workspace_shows_what_it_is_for() {
     for (name, views) in [
         ("Explore", &["Live view"][..]),
         ("Compare", &["Live view", "Compare"]),
-        ("Benchmark", &["Sweep", "Live view", "Memory"]),
+        ("Benchmark", &["Sweep", "Live view", "Cameras"]),
         ("Inspect", &["Source", "Live view", "Pixel"]),
     ] {
         click(&mut window, &format!("Workspace: {name}"));
@@ -168,15 +165,18 @@ fn each_workspace_shows_what_it_is_for() {
     settle(&mut window);
     let large = size_of_live_picture(&window);
     assert!(large.x * large.y > 0.38 * SIZE[0] * SIZE[1], "{large}");
-    open_view(&mut window, "Log");
+    open_view(&mut window, "Pixel");
     click(&mut window, "Workspace: Inspect");
     click(&mut window, "Workspace: Explore");
     settle(&mut window);
-    assert!(window.state().observed().views_in_sight.contains(&"Log"), "a workspace is found as it was left");
+    assert!(
+        window.state().observed().views_in_sight.contains(&"Pixel"),
+        "a workspace is found as it was left"
+    );
     click(&mut window, "Panels");
     click(&mut window, "Reset layout");
     settle(&mut window);
-    assert!(!window.state().observed().views_in_sight.contains(&"Log"));
+    assert!(!window.state().observed().views_in_sight.contains(&"Pixel"));
 }
 
 #[test]
@@ -203,6 +203,6 @@ fn a_store_has_no_empty_source_panel_and_a_single_frame_no_timeline() {
         window.key_press_modifiers(Modifiers::COMMAND, Key::J);
         window.run_steps(3);
     }
-    assert!(window.query_by_role_and_label(Role::Button, "Memory").is_some() && !has_time_tab(&window));
+    assert!(window.query_by_role_and_label(Role::Button, "Cameras").is_some() && !has_time_tab(&window));
     assert!(window.state().observed().views_in_sight.contains(&"Source"));
 }

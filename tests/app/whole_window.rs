@@ -1,8 +1,8 @@
 //! Drives the whole window as a person does, off screen: open, look, turn thresholds, cancel, save, open again, fail.
 
 use super::driver::{
-    SIZE, Window, choose, click, demo, drag, drop_on, open, open_store, pick, save_store, settle, shows,
-    small_capture, small_demo, type_path, wait,
+    SIZE, Window, choose, click, demo, drag, drop_on, open, open_store, pick, save_store, settle, show_holes,
+    shows, small_capture, small_demo, type_path, wait,
 };
 use std::path::Path;
 
@@ -76,8 +76,8 @@ fn holes_are_filled_and_the_key_the_toolbar_and_the_palette_hatch_them() {
     let (filled, coverage) = (live_picture(&mut window), window.state().observed().live_coverage);
     let holes = 1.0 - coverage.unwrap().1;
     assert!(shows(&window, FILLED) && !shows(&window, HATCHED));
-    // What is invented and what is the sky are told apart; together they are the holes.
-    let told = told_percent(&window, FILLED) + told_percent(&window, "sky ");
+    // What is invented and what is the background are told apart; together they are the holes.
+    let told = told_percent(&window, FILLED) + told_percent(&window, "background ");
     assert!((told - 100.0 * holes).abs() < 0.11, "{told} of {holes}");
     window.key_press(Key::H);
     settle(&mut window);
@@ -87,7 +87,7 @@ fn holes_are_filled_and_the_key_the_toolbar_and_the_palette_hatch_them() {
     for turn in ["key", "toolbar", "palette"] {
         let choose_by = |window: &mut Window, choice: &str| match turn {
             "key" => window.key_press(Key::H),
-            "toolbar" => choose(window, "Holes", choice),
+            "toolbar" => show_holes(window, choice),
             _ => {
                 window.key_press_modifiers(egui::Modifiers::COMMAND, Key::P);
                 window.run_steps(2);
@@ -111,7 +111,7 @@ fn holes_are_dimmed_far_from_samples_and_nothing_else_changes() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     let (filled, coverage) = (live_picture(&mut window), window.state().observed().live_coverage);
-    choose(&mut window, "Holes", "Dim");
+    show_holes(&mut window, "Dim");
     settle(&mut window);
     assert!(shows(&window, "dimmed far from samples"));
     let holes = 1.0 - coverage.unwrap().1;
@@ -120,7 +120,7 @@ fn holes_are_dimmed_far_from_samples_and_nothing_else_changes() {
     assert!(dimmed <= holes, "{dimmed} of {holes}");
     assert!(told_percent(&window, FILLED) < 1.0 || dimmed > 0.0, "{dimmed} of {holes}");
     assert_eq!(window.state().observed().live_coverage, coverage);
-    choose(&mut window, "Holes", "Fill");
+    show_holes(&mut window, "Fill");
     settle(&mut window);
     assert_eq!(changed(&live_picture(&mut window), &filled), 0.0);
 }
@@ -137,7 +137,7 @@ fn holes_that_the_settings_leave_are_hatched_and_the_toolbar_fills_them_again() 
     assert!(shows(&window, HATCHED) && !shows(&window, FILLED));
     assert!(changed(&filled, &live_picture(&mut window)) > 0.05);
     assert_eq!(window.state().observed().live_coverage, coverage);
-    choose(&mut window, "Holes", "Fill");
+    show_holes(&mut window, "Fill");
     settle(&mut window);
     assert_eq!(window.state().observed().settings.render.fill, Fill::PushPull);
     assert_eq!(changed(&filled, &live_picture(&mut window)), 0.0);
@@ -187,18 +187,18 @@ fn a_view_at_rest_is_painted_twice_as_fine_as_recorded_and_in_motion_no_finer() 
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     assert_eq!(rows(&window), 144, "72 rows were recorded");
-    assert!(shows(&window, "×144 in "));
+    assert!(shows(&window, "samples drawn"));
     window.get_by_label("Play").click();
     wait(&mut window, "a picture in motion", |window| rows(window) != 144);
     // Where machines are busy, pictures in motion are coarser still.
     assert!((1..=72).contains(&rows(&window)), "{}", rows(&window));
     window.get_by_label("Pause").click();
     settle(&mut window);
-    assert!(shows(&window, "×144 in "));
+    assert!(shows(&window, "samples drawn"));
     for coloring in ["Camera", "Agreement", "Motion"] {
         choose(&mut window, "Live view shows", coloring);
         settle(&mut window);
-        assert!(shows(&window, "×144 in "), "{coloring} is as fine as the picture");
+        assert!(shows(&window, "samples drawn"), "{coloring} is as fine as the picture");
     }
 }
 
@@ -268,7 +268,7 @@ fn a_broken_file_gives_a_readable_message_and_the_window_stays_up() {
     let mut window = open(small_demo(), SIZE);
     settle(&mut window);
     for (count, path) in [&truncated, &nonsense, &folder.path().join("missing.ovl")].into_iter().enumerate() {
-        type_path(&mut window, "Open path", path, "Open this path");
+        type_path(&mut window, "Open file", path, "Open this path");
         wait(&mut window, "the message", |window| window.state().observed().notices.len() > count);
         let message = window.state().observed().notices.pop().unwrap();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::driver::{SIZE, Window, choose, click, look_at, open, open_view, settle, shows, small_demo};
+use super::driver::{SIZE, Window, choose, click, fold, look_at, open, open_view, settle, shows, small_demo};
 use super::private_words::private_word;
 
 fn assert_no_private_word(window: &Window, place: &str) {
@@ -36,20 +36,25 @@ fn every_view_calls_things_as_the_field_does() {
     );
     look_at(&mut window, "Source picture", vec2(0.5, 0.6));
     settle(&mut window);
-    let table = ["Visible", "Depth error", "Paper r", "Density", "Its own sample"];
+    let table = ["Visible", "Depth error", "Density", "Its own sample"];
     assert_says(&window, "Pixel", &table);
     assert!(window.query_by_label("Unpin pixel").is_some());
     for (view, words) in [
         ("Compare", &["PSNR ", "covered on one side only"][..]),
-        ("Matrix", &["Which camera replaces which", "a time offset shows here"]),
-        ("Memory", &["of samples in memory, by camera"]),
         ("Time", &["Samples by the span of frames"]),
-        ("Report", &["What was dropped, and why", "Seen better elsewhere"]),
+        (
+            "Report",
+            &[
+                "What was dropped, and why",
+                "Seen better elsewhere",
+                "of samples in memory, by camera",
+                "a time offset shows here",
+            ],
+        ),
         ("Sweep", &["No sweep yet"]),
         ("Stress test", &["No stress test yet"]),
         ("View", &["Field of view", "focal length"]),
-        ("Color", &["Exposure", "Tone curve"]),
-        ("Log", &["Pruned the capture"]),
+        ("Color", &["Exposure", "Tone curve and channel"]),
     ] {
         open_view(&mut window, view);
         // Over pictures the pointer asks for a pixel.
@@ -76,6 +81,7 @@ fn settings_and_presets_have_the_names_of_the_field() {
     for section in ["Temporal redundancy", "Rendering", "Store encoding", "Loading"] {
         assert!(window.query_by_label(section).is_some(), "{section}");
     }
+    fold(&mut window, "Advanced");
     for setting in [
         "Time spans",
         "Noise multiplier",

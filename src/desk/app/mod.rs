@@ -15,6 +15,7 @@ mod camera_cues;
 mod colormap;
 mod control;
 mod dock;
+mod export_menu;
 mod model;
 mod pace;
 pub(crate) mod picture_menu;

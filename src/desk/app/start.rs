@@ -8,6 +8,7 @@ use winit::event_loop::EventLoop;
 
 use crate::app::control::{OverlookApp, Start, keyboard};
 use crate::app::dock::{Dock, DockPart};
+use crate::app::export_menu::export_ui;
 use crate::app::model::command::{FileCommand, Opening, WindowCommand};
 use crate::app::model::purpose::Purpose;
 use crate::app::model::window::DockView;
@@ -53,7 +54,7 @@ pub fn run(path: Option<PathBuf>) -> Result<()> {
     let period = least_period.clone();
     let created: eframe::AppCreator<'_> = Box::new(|cc| {
         let mut app = OverlookApp::new(&cc.egui_ctx, cc.storage, cc.wgpu_render_state.as_ref(), start)?;
-        app.least_period = period;
+        (app.least_period, app.has_dialogs) = (period, true);
         Ok(Box::new(app))
     });
     let opened = if has_card {
@@ -159,7 +160,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
                     (DockPart::Contents, _) => view_ui(ui, view, state, commands),
                     (DockPart::TabBar, DockView::Source) => source::ui::cameras_ui(ui, state, commands),
                     (DockPart::TabBar, DockView::Live) => live::ui::go_to_camera_ui(ui, state, commands),
-                    (DockPart::TabBar, _) => {}
+                    (DockPart::TabBar, view) => export_ui(ui, view, state, commands),
                 });
                 commands.extend(resized.map(|view| Command::Window(WindowCommand::Maximize(Some(view)))));
             }

@@ -5,17 +5,17 @@ use std::collections::HashMap;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
     Align2, Button, Color32, ComboBox, FontId, Key, Painter, Pos2, Rect, RectAlign, Response, RichText,
-    ScrollArea, Sense, TextEdit, TextStyle, TextWrapMode, TextureHandle, TextureId, Ui, Vec2, pos2, vec2,
+    ScrollArea, Sense, TextEdit, TextStyle, TextureHandle, TextureId, Ui, Vec2, pos2, vec2,
 };
 use egui_material_icons::MaterialIcon;
 
 use crate::app::model::camera_text::{CameraText, TextPart};
-use crate::app::model::command::FileCommand;
-use crate::app::model::purpose::{Purpose, Table, TableForm};
-use crate::app::model::{Command, Commands};
 use crate::app::theme::{Tokens, space};
 use crate::app::{camera_cues, colormap};
 use overlook_engine::capture::Camera;
+
+/// In less than this width a button beside tabs shows an icon instead of its name, since the tabs need the room.
+pub(crate) const NARROW: f32 = 180.0;
 
 /// Size of a button with an icon.
 pub(crate) const ICON_BUTTON: Vec2 = Vec2::new(34.0, space::CONTROL);
@@ -91,12 +91,6 @@ fn width_of_names<'a>(ui: &Ui, names: impl IntoIterator<Item = &'a str>) -> f32 
         ui.painter().layout_no_wrap(name.to_owned(), font.clone(), Color32::WHITE).size().x.ceil()
     };
     names.into_iter().map(|name| width(name) + SEGMENT_GAP).sum::<f32>() + 1.0
-}
-
-/// Least width of a row of choices, points.
-pub(crate) fn least_width_of_segments<T>(ui: &Ui, choices: &[(T, &'static str, &'static str)]) -> f32 {
-    let names = width_of_names(ui, choices.iter().map(|(_, name, _)| *name));
-    names + 2.0 * SEGMENT_PADDING[0] * choices.len() as f32
 }
 
 /// Usual width of a row of choices, points.
@@ -209,25 +203,6 @@ pub(crate) fn one_line(ui: &mut Ui, text: impl Into<String>, color: Color32) -> 
     ui.add(egui::Label::new(RichText::new(text).small().color(color)).truncate())
 }
 
-/// Copies or saves what a view shows in numbers.
-pub(crate) fn table_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
-    ui.horizontal_wrapped(|ui| table_buttons_ui(ui, table, commands));
-}
-
-/// These buttons in a row that wraps: each button as a whole.
-pub(crate) fn table_buttons_ui(ui: &mut Ui, table: Table, commands: &mut Commands) {
-    let copies =
-        TableForm::ALL.map(|(form, name, _)| (format!("Copy {name}"), Command::CopyTable(table, form)));
-    let save = ("Save table…".to_owned(), Command::File(FileCommand::AskPath(Purpose::SaveTable(table))));
-    for (name, command) in copies.into_iter().chain([save]) {
-        let button = Button::new(RichText::new(&name).small()).small().wrap_mode(TextWrapMode::Extend);
-        let button = ui.add(button).accessible_name(format!("{name} of the {}", table.name()));
-        if button.clicked() {
-            commands.push(command);
-        }
-    }
-}
-
 /// The sign of a camera beside its name.
 pub(crate) fn dot(ui: &mut Ui, camera: usize) {
     let (dot, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
@@ -293,6 +268,13 @@ pub(crate) fn picture_in(ui: &Ui, area: Rect) -> Option<Rect> {
     drawn_pictures(ui.ctx(), |pictures| pictures.values().find(is_there).map(|(picture, _)| *picture))
 }
 
+/// Where a picture of a name was drawn in this pass.
+pub(crate) fn drawn_picture(ctx: &egui::Context, name: &str) -> Option<Rect> {
+    let pass = ctx.cumulative_pass_nr();
+    let is_there = |(_, drawn): &&(Rect, u64)| *drawn == pass;
+    drawn_pictures(ctx, |pictures| pictures.get(name).filter(is_there).map(|(area, _)| *area))
+}
+
 /// Whether the pointer is over a picture whose pixels are pointed at: elsewhere no pixel is marked, unless it is pinned.
 pub(crate) fn points_at_picture(ctx: &egui::Context) -> bool {
     let Some(pointer) = ctx.pointer_hover_pos() else { return false };
@@ -332,6 +314,12 @@ pub(crate) fn chips(
 fn chip(index: usize, font: FontId) -> TextFormat {
     let background = camera_cues::color(index);
     TextFormat { background, expand_bg: MARGIN, ..TextFormat::simple(font, colormap::text_on(background)) }
+}
+
+/// What is folded away below a line that opens it; `of` is whose it is, `wanted` opens it.
+pub(crate) fn fold_ui(ui: &mut Ui, name: &str, of: &str, wanted: bool, contents: impl FnOnce(&mut Ui)) {
+    let header = egui::CollapsingHeader::new(RichText::new(name).color(Tokens::in_ui(ui).text_weak));
+    header.id_salt((of, name)).open(wanted.then_some(true)).show_unindented(ui, contents);
 }
 
 pub(crate) fn heading_ui(ui: &mut Ui, name: &str) {

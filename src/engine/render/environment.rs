@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::geometry::rays_in_world;
 use super::input::{DenseTile, FrameSamples};
+use super::vantage::{NO_IMAGE, Picture, Vantage};
 use crate::capture::Camera;
 use crate::error::Result;
 use crate::samples::{SampleSet, TILE};
@@ -119,6 +120,24 @@ pub(crate) fn sky_map(set: &SampleSet, frame: usize, directions: &[Vec3]) -> Res
     let samples = FrameSamples::at(set, frame)?;
     let environment = Environment::new(&SkySums::new(&samples, 0..samples.tile_count(), None));
     Ok(environment.map(|sky| directions.iter().map(|direction| sky.color(*direction)).collect()))
+}
+
+/// How many pixels of a picture that no sample of `set` reached show what cameras saw at infinity in that direction. It is decided by
+/// the scene and the direction, whatever else the picture shows: what only looks like a background counts as unseen.
+///
+/// # Errors
+/// Those of reading the samples of the frame.
+pub fn background_holes(picture: &Picture, set: &SampleSet, vantage: &Vantage) -> Result<u64> {
+    let samples = FrameSamples::at(set, vantage.frame)?;
+    let sums = SkySums::new(&samples, 0..samples.tile_count(), None);
+    if sums.cells.is_empty() {
+        return Ok(0);
+    }
+    let (directions, width) = (PixelDirections::new(&vantage.camera), picture.image.width().max(1));
+    let pixels = picture.image.as_slice().iter().zip(picture.inverse_depth.as_slice()).enumerate();
+    let shown = pixels.filter(|(_, (image, depth))| **image == NO_IMAGE && **depth == 0.0);
+    let seen = shown.filter(|(at, _)| sums.cells[cell_of(directions.at((at % width, at / width)))][3] > 0.0);
+    Ok(seen.count() as u64)
 }
 
 /// World-space directions of a camera's pixels.

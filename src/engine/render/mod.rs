@@ -40,6 +40,7 @@ mod vantage;
 
 pub use carried_picture::{CarriedPicture, PictureCarrier, ScreenColor, ScreenPicture};
 pub use cpu::CpuRenderer;
+pub use environment::background_holes;
 pub(crate) use environment::sky_map;
 pub use equirectangular::{FACE_COUNT, Projection, equirectangular, faces_around};
 pub use orthographic::OrthographicView;

@@ -3,14 +3,14 @@
 use super::plan::{Method, StressPlan, StressPoint, StressStep};
 use crate::scoring::nothing_to_compare;
 use crate::sweep::{self, Point, Series};
-use crate::trial::{Measured, TimeLeft, Trial, Workbench, coarse_to_fine};
+use crate::trial::{Fineness, Measured, TimeLeft, Trial, Workbench, coarse_to_fine};
 use crate::truth::{self, Recorded, Truth};
 use overlook_engine::capture::Capture;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 
-/// Measures every disturbance of the plan at the values of its dial with every method, from coarse to fine until the budget is spent,
-/// and compares the methods at each value. `on_point` receives each new point, the number of known points and their total.
+/// Measures every disturbance of the plan at the values of its dial with every method, the first method's ends and middles first, then
+/// all from coarse to fine until the budget is spent, and compares the methods at each value. `on_point` receives each new point, the number of known points and their total.
 /// Disturbances that cannot change the capture, and values that leave no true pixel, are skipped with a warning.
 ///
 /// # Errors
@@ -49,9 +49,15 @@ fn measure(
     let mut total = steps.len() * plan.methods.len();
     let mut open = points.iter().flatten().filter(|point| point.is_none()).count();
     let (mut time_left, mut passed_over) = (TimeLeft::start(plan.budget), Vec::new());
-    for index in coarse_to_fine(&levels) {
+    let order = coarse_to_fine(&levels);
+    // The curves of the first method come first.
+    let first = order.iter().filter(|index| Fineness::Medium.takes(levels[**index])).map(|index| (*index, 1));
+    for (index, methods) in first.chain(order.iter().map(|index| (*index, plan.methods.len()))) {
         let mut disturbed = None;
-        for (nth, method) in plan.methods.iter().enumerate() {
+        for (nth, method) in plan.methods.iter().take(methods).enumerate() {
+            if passed_over.contains(&index) {
+                break;
+            }
             if points[index][nth].is_some() || time_left.is_spent() {
                 continue;
             }

@@ -15,7 +15,7 @@ use overlook_engine::job::Job;
 pub use plan::{Planned, SweepPlan, paper, picture_variations, variations};
 pub use point::{Point, Series, mark_behind_best, mark_pareto, mark_pareto_of_stores};
 
-/// Measures the unknown points of the plan, from coarse to fine until its budget is spent, and compares all points with each other; a
+/// Measures the unknown points of the plan, the reference and other methods first, then settings from coarse to fine until its budget is spent, and compares all points with each other; a
 /// single camera is skipped if no view can be scored for it. `on_point` receives each new point and the number of known ones.
 ///
 /// # Errors
@@ -52,7 +52,7 @@ fn measure(
         let to_measure = plan.trials.iter().zip(&points).filter(|(_, point)| point.is_none());
         workbench.open(to_measure.map(|(planned, _)| &planned.trial))?;
         let (known, mut time_left) = (plan.trials.len() - open, TimeLeft::start(plan.budget));
-        for index in coarse_to_fine(&plan.levels()) {
+        for index in coarse_to_fine(&plan.rounds()) {
             let (planned, slot) = (&plan.trials[index], &mut points[index]);
             if slot.is_some() || !workbench.can_measure(&planned.trial) {
                 continue;

@@ -210,6 +210,17 @@ impl SweepPlan {
         self.trials.iter().map(|planned| planned.dials().map(level).max().unwrap_or_default()).collect()
     }
 
+    /// When each trial is measured, the earliest first: the reference, other methods, then settings from coarse to fine.
+    pub(super) fn rounds(&self) -> Vec<usize> {
+        let round = |(planned, level): (&Planned, usize)| match planned.series {
+            Series::Reference => 0,
+            series if series.is_rival() || series == Series::Paper => 1,
+            Series::Variation => 3 + level,
+            _ => 2,
+        };
+        self.trials.iter().zip(self.levels()).map(round).collect()
+    }
+
     /// The point that an earlier run measured for this trial. A baseline with as many samples as the reference is known only if
     /// the reference is known and has that many, because the settings do not hold its reference.
     #[must_use]

@@ -14,7 +14,6 @@ use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::window::{Area, CommandPalette, HelpPage, Workspace};
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::timeline::{TimeCommand, Timeline};
-use crate::ways_out::Way;
 
 /// Distance flown per second, in pivot distances.
 const FLY_PER_SECOND: f64 = 0.6;
@@ -132,7 +131,7 @@ fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
     let keys = [
         (Modifiers::COMMAND, Key::O, Command::File(FileCommand::AskPath(Purpose::OpenFile))),
         (Modifiers::COMMAND, Key::E, Command::Share(ShareCommand::Open(None))),
-        (Modifiers::COMMAND, Key::S, Command::Share(ShareCommand::Open(Some(Way::Store)))),
+        (Modifiers::COMMAND, Key::S, Command::File(FileCommand::SaveSession)),
         (Modifiers::COMMAND, Key::L, Command::View(ViewCommand::CopyAddress)),
         (Modifiers::COMMAND, Key::P, Command::Window(WindowCommand::Palette(palette))),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::Pixel(PixelCommand::CopyExplanation)),

@@ -39,6 +39,9 @@ const DONE_STAYS: Duration = Duration::from_secs(8);
 /// How far the pointer may move in a click, points: what moves farther drags, and is answered at once.
 const CLICK: f32 = 4.0;
 
+/// Work on edits that takes less is not told of.
+const PASSING: Duration = Duration::from_millis(200);
+
 /// A frame may come earlier by this share of its time: better than to draw the window for it alone.
 const EARLY: f32 = 0.2;
 
@@ -62,6 +65,8 @@ pub struct OverlookApp {
     /// What is in it, or about to be.
     pub(crate) unread: Unread,
     pub(crate) commands: Vec<Command>,
+    /// Whether the system has dialogs for files: a window off screen has none, nor a desktop whose dialog closed at once.
+    pub(crate) has_dialogs: bool,
     /// When the system's dialog was requested.
     pub(crate) asked_at: Option<Instant>,
     /// The path that was taken from the field last.
@@ -118,6 +123,7 @@ impl OverlookApp {
             inbox,
             unread: outbox.unread(),
             commands: Vec::new(),
+            has_dialogs: false,
             asked_at: None,
             last_typed: None,
             ctx: ctx.clone(),
@@ -269,19 +275,29 @@ impl OverlookApp {
     }
 
     pub(crate) fn watch_work(&mut self) {
-        let busy = self.workers.watched().into_iter().filter_map(|(work, progress)| {
+        let watched = self.workers.watched();
+        let is_under_way = |stage: &str| watched.iter().flat_map(|(_, of)| of).any(|of| of.stage == stage);
+        self.stages.retain(|stage, _| is_under_way(stage));
+        if watched.iter().any(|(_, progress)| progress.is_some()) {
+            self.ctx.request_repaint_after(WATCH);
+        }
+        let busy = watched.into_iter().filter_map(|(work, progress)| {
             // Comparing takes long only if the capture is read again.
             let progress = progress.filter(|progress| work != WorkKind::Compare || progress.total > 0)?;
             let began = *self.stages.entry(progress.stage.clone()).or_insert_with(Instant::now);
+            // These take long only now and then: a frame that is read first, evidence that is asked of all cameras.
+            let is_passing = match work {
+                WorkKind::InspectFrame => self.state.doc.inspected.is_some(),
+                WorkKind::EditSamples => began.elapsed() < PASSING,
+                _ => false,
+            };
+            if is_passing {
+                return None;
+            }
             let secs_left = secs_left(work, &progress, began.elapsed());
             Some(Busy { work, progress, cancellable: work != WorkKind::MeasureAccuracy, secs_left })
         });
         self.state.busy = busy.collect();
-        let busy = &self.state.busy;
-        self.stages.retain(|stage, _| busy.iter().any(|busy| busy.progress.stage == *stage));
-        if !self.state.busy.is_empty() {
-            self.ctx.request_repaint_after(WATCH);
-        }
         let before = self.state.notices.len();
         self.state
             .notices

@@ -160,6 +160,7 @@ impl OverlookApp {
             Message::PathLoaded { path, file, .. } => self.path_loaded(&path, &file),
             Message::PicturesOpened { folder, .. } => self.pictures_opened(folder),
             Message::Edited { key, edited } => self.edited(*key, edited),
+            Message::SessionSaved { path, keys, list } => self.session_saved(&path, keys, list),
             Message::EditsSaved { path, list } => self.edits_saved(&path, list),
             Message::EditsLoaded { path, list, .. } => self.edits_loaded(&path, list),
             Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),

@@ -13,15 +13,7 @@ const SIDE_MOST: f32 = 380.0;
 const LOWER_SHARE: f32 = 0.315;
 const LOWER_MOST: f32 = 260.0;
 
-const LOWER: [DockView; 7] = [
-    DockView::Pixel,
-    DockView::Cameras,
-    DockView::Matrix,
-    DockView::Time,
-    DockView::Memory,
-    DockView::Path,
-    DockView::Log,
-];
+const LOWER: [DockView; 4] = [DockView::Pixel, DockView::Cameras, DockView::Time, DockView::Path];
 
 /// The first layout of a workspace.
 pub(crate) fn tree_of(workspace: Workspace) -> Tree<DockView> {
@@ -54,10 +46,7 @@ pub(crate) fn tree_of(workspace: Workspace) -> Tree<DockView> {
             let charts = tabs(&mut tiles, &[DockView::Tradeoff, DockView::Stability]);
             let live = tabs(&mut tiles, &[DockView::Live, DockView::Compare]);
             let upper = beside(&mut tiles, [charts, live], 0.6);
-            let lower = tabs(
-                &mut tiles,
-                &[DockView::Memory, DockView::Time, DockView::Matrix, DockView::Cameras, DockView::Log],
-            );
+            let lower = tabs(&mut tiles, &[DockView::Cameras, DockView::Time]);
             with_side(&mut tiles, [upper, lower])
         }
     };

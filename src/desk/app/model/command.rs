@@ -104,8 +104,9 @@ pub(crate) enum FileCommand {
     Open(Opening),
     /// Ask for a path by the system's dialog.
     AskPath(Purpose),
+    /// Save the session where it was saved last, or ask where.
+    SaveSession,
     /// Show the field for typing a path.
-    TypePath(Purpose),
     /// What is in the field now.
     TypedPath(String),
     /// Take the path in the field.

@@ -230,7 +230,7 @@ pub(crate) struct Guides {
 
 impl Default for Guides {
     fn default() -> Self {
-        Self { frame: FrameGuide::Off, locks_aspect: false, axes: true, grid: false, pictures: true }
+        Self { frame: FrameGuide::Off, locks_aspect: false, axes: true, grid: false, pictures: false }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::app::rooms::change::work::ChangeRequest;
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::compare::state::{CompareKey, PictureDifference, PictureFolder};
 use crate::app::rooms::edits::state::{EditKey, EditedScene};
-use crate::app::rooms::path::CameraPath;
+use crate::app::rooms::path::{CameraPath, SavedPathKey};
 use crate::app::rooms::pixel::state::{Probed, Spot};
 use crate::app::rooms::readings::state::ReadingImages;
 use crate::app::rooms::settings::ThresholdHistogram;
@@ -154,6 +154,12 @@ pub(crate) enum Message {
     /// The folder of a file is shown by the system.
     FolderShown,
     /// A camera path is written.
+    /// A session was written, with the camera path and the edits in it.
+    SessionSaved {
+        path: PathBuf,
+        keys: Vec<SavedPathKey>,
+        list: EditList,
+    },
     PathSaved {
         path: PathBuf,
         saved: CameraPath,

@@ -130,7 +130,7 @@ pub(crate) struct LivePicture {
     /// How bright it is; `None` where its colors are no picture's, and in motion.
     pub histogram: Option<PictureHistogram>,
     pub stats: RenderStats,
-    /// How many of the holes show the sky; 0 while pixels stay on the graphics card.
+    /// How many of the holes show the background in a direction in which cameras saw it; 0 while pixels stay on the graphics card.
     pub sky_holes: u64,
     /// From the request to the finished picture, reading included.
     pub took: Duration,
@@ -274,8 +274,6 @@ pub(crate) enum Legend {
     Plain,
     /// Depth from `near` to `far`, in the capture's unit, and the share of pixels without depth, 0 to 1.
     Depth { near: f32, far: f32, without: f32 },
-    /// log₂ r from −[`RATIO_RANGE`] to [`RATIO_RANGE`].
-    Ratio,
     /// Pixels that each camera won, and kept pixels.
     Winners {
         kept: u64,
@@ -301,6 +299,8 @@ pub(crate) enum Legend {
     /// How far colors differ from those of other cameras, from 0 to [`VIEW_DEPENDENCE_RANGE`]. Counts pixels that differ visibly, that
     /// do not, and that no other camera shows finely enough.
     ViewDependence { visible: u64, alike: u64, unknown: u64 },
+    /// The ratio of two sampling rates, and the share of pixels that no other camera shows.
+    Ratio { unknown: f32 },
     /// Kept share of each tile, 0 to 1.
     Tiles(Grid<f32>),
 }

@@ -45,8 +45,6 @@ pub(crate) struct AskedPath {
     pub action: Action,
     /// The title of the dialog.
     pub title: &'static str,
-    /// What opens the field for typing it: an entry of the command palette, or a button, whose name ends with dots.
-    pub entry: &'static str,
     /// As those of a [`FileKind`].
     pub endings: &'static [&'static str],
     pub stem: &'static str,
@@ -59,35 +57,25 @@ impl Purpose {
     /// What is said of its path.
     pub(crate) fn asked(self) -> AskedPath {
         use Action::{Load, Open, Save};
-        let (action, title, entry, endings, stem): (_, _, _, &[&str], _) = match self {
-            Self::OpenFile => {
-                (Open, "Open a store, or a file that a capture is known by", "Open path", &OPENED, "")
-            }
-            Self::OpenFolder => (Open, "Open a capture folder", "Open path", &[], ""),
-            Self::Share(kind) => (kind.action, kind.title, "To path…", kind.endings, kind.stem),
-            Self::SaveSettings => (Save, "Save the settings", "Save settings to path", &["toml"], "settings"),
-            Self::LoadSettings => (Load, "Load settings", "Load settings from path", &["toml"], ""),
+        let (action, title, endings, stem): (_, _, &[&str], _) = match self {
+            Self::OpenFile => (Open, "Open a store, or the file of a capture", &OPENED, ""),
+            Self::OpenFolder => (Open, "Open a capture folder", &[], ""),
+            Self::Share(kind) => (kind.action, kind.title, kind.endings, kind.stem),
+            Self::SaveSettings => (Save, "Save the settings", &["toml"], "settings"),
+            Self::LoadSettings => (Load, "Load settings", &["toml"], ""),
             Self::SaveTable(_) => {
                 let title = "Save a table as CSV, Markdown (.md) or LaTeX (.tex)";
-                (Save, title, "Save table…", &["csv", "md", "tex"], "")
+                (Save, title, &["csv", "md", "tex"], "")
             }
-            Self::SaveChart(_) => {
-                (Save, "Save a chart as PDF, SVG or PNG", "Save chart…", FIGURE.endings, "")
-            }
-            Self::SavePath => {
-                (Save, "Save the camera path", "Save camera path to path", &["json"], "transforms")
-            }
-            Self::LoadPath => (Load, "Open a camera path", "Open camera path from path", &["json"], ""),
-            Self::OpenPictures => {
-                (Load, "Open pictures of another program", "Open pictures from path", &[], "")
-            }
-            Self::SaveEdits => (Save, "Save the edits", "Save edits to path", &["toml"], "edits"),
-            Self::LoadEdits => (Load, "Open edits", "Open edits from path", &["toml"], ""),
-            Self::SaveSession => {
-                (Save, "Save the session", "Save session to path", &[SESSION_ENDING], "session")
-            }
+            Self::SaveChart(_) => (Save, "Save a chart as PDF, SVG or PNG", FIGURE.endings, ""),
+            Self::SavePath => (Save, "Save the camera path", &["json"], "transforms"),
+            Self::LoadPath => (Load, "Open a camera path", &["json"], ""),
+            Self::OpenPictures => (Load, "Open pictures of another program", &[], ""),
+            Self::SaveEdits => (Save, "Save the edits", &["toml"], "edits"),
+            Self::LoadEdits => (Load, "Open edits", &["toml"], ""),
+            Self::SaveSession => (Save, "Save the session", &[SESSION_ENDING], "session"),
         };
-        AskedPath { action, title, entry, endings, stem }
+        AskedPath { action, title, endings, stem }
     }
 
     /// Whether something is written to the path.

@@ -14,6 +14,19 @@ pub(crate) const SECTIONS: &[(&str, &str, bool)] = &[
     ("capture", "Loading", false),
 ];
 
+/// Settings that are folded away: few scenes ask for another value than the default.
+pub(crate) const ADVANCED: &[&str] = &[
+    "pruning.cosine_floor",
+    "pruning.across_spans",
+    "pruning.overlap",
+    "pruning.agreement_margin",
+    "render.free_space",
+    "render.depth_tolerance",
+    "render.views",
+    "render.coarse",
+    "render.magnified",
+];
+
 /// What every setting is called, by its path: no two alike.
 const NAMES: &[(&str, &str)] = &[
     ("capture.memory", "Memory"),

@@ -375,6 +375,8 @@ pub(crate) struct Document {
     pub whole: Option<Whole>,
     /// Seconds that reading all frames took; `None` before they were read.
     pub read_seconds: Option<f64>,
+    /// Where the session was saved last.
+    pub session_place: Option<PathBuf>,
     /// Whether the whole-capture work was stopped, by the person or as something could not be read.
     pub stopped: bool,
     /// The frame whose inspection failed last.

@@ -173,7 +173,7 @@ pub(crate) struct LogLine {
 pub(crate) fn and_others(first: &str, others: usize) -> String {
     match others {
         0 => first.to_owned(),
-        others => format!("{first} (and {others} more places: see the Log view)"),
+        others => format!("{first} (and {others} more places: see Help > Log)"),
     }
 }
 
@@ -185,6 +185,8 @@ pub(crate) enum HelpPage {
     /// What a capture is known by.
     Sources,
     Shortcuts,
+    /// What happened, in order.
+    Log,
     About,
 }
 
@@ -207,7 +209,7 @@ pub(crate) const HELP: &[Shortcuts] = &[
             ("Ctrl + P", "find any command by name"),
             ("?", "keyboard and mouse shortcuts"),
             ("Ctrl + O", "open a file"),
-            ("Ctrl + S, Ctrl + E", "share the store, or in another way"),
+            ("Ctrl + S, Ctrl + E", "save the session, share"),
             ("Ctrl + Z, Ctrl + Y", "undo, redo"),
             ("Shift + Space", "maximize the view under the pointer, or restore it"),
             ("F11", "full screen"),

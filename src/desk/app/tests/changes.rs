@@ -42,7 +42,7 @@ fn figures_before_a_change_stay_beside_those_after_it_until_the_next() {
     assert_eq!(before(&app), Some(first), "one change, however often the threshold was turned");
     let told = app.state.differences();
     assert!(
-        ["This frame", "All samples", "Memory"].iter().all(|name| told.iter().any(|it| it.name == *name))
+        ["This frame", "Samples kept", "Memory"].iter().all(|name| told.iter().any(|it| it.name == *name))
     );
     assert!(told.iter().all(|it| it.now.is_some()), "{told:?}");
     app.apply(Command::Undo);

@@ -244,7 +244,7 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
         Purpose::Share(&ways_out::pictures::PICTURES),
         Purpose::Share(&ways_out::film::VIDEO),
     ] {
-        app.apply(Command::File(FileCommand::TypePath(purpose)));
+        app.apply(Command::File(FileCommand::AskPath(purpose)));
         assert!(app.state.typed_path.is_none(), "no path is asked for in vain");
         app.take_path(purpose, folder.path().join("out"));
         let told = app.state.notices.pop().unwrap();
@@ -252,7 +252,7 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
     }
     assert!(app.workers.file.is_idle() && app.workers.export.is_idle());
     settle(&mut app);
-    app.apply(Command::File(FileCommand::TypePath(Purpose::Share(&ways_out::store::STORE))));
+    app.apply(Command::File(FileCommand::AskPath(Purpose::Share(&ways_out::store::STORE))));
     assert!(app.state.typed_path.is_some());
 }
 

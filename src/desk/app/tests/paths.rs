@@ -18,7 +18,7 @@ use crate::ways_out;
 use overlook_engine::settings::{PruningMethod, Settings};
 
 fn type_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {
-    app.apply(Command::File(FileCommand::TypePath(purpose)));
+    app.apply(Command::File(FileCommand::AskPath(purpose)));
     app.apply(Command::File(FileCommand::TypedPath(path.display().to_string())));
     app.apply(Command::File(FileCommand::TakeTypedPath));
 }
@@ -40,16 +40,21 @@ fn add_path(app: &mut OverlookApp) {
 fn a_dialog_that_gives_no_path_is_never_silent() {
     let mut app = ready(2, 2);
     let mut answer = |after: u64| {
+        app.has_dialogs = true;
         app.asked_at = Instant::now().checked_sub(Duration::from_millis(after));
         app.receive(Message::PathChosen { purpose: Purpose::Share(&ways_out::store::STORE), path: None });
-        (app.state.typed_path.take().map(|typed| typed.text), app.notices())
+        (app.state.typed_path.take().map(|typed| typed.text), app.notices(), app.has_dialogs)
     };
     for soon in [0, 900] {
-        assert_eq!(answer(soon), (Some("orrery.ovl".to_owned()), Vec::new()));
+        assert_eq!(
+            answer(soon),
+            (Some("orrery.ovl".to_owned()), Vec::new(), false),
+            "the next is typed at once"
+        );
     }
-    let (typed, notices) = answer(60_000);
-    assert_eq!(typed, None);
-    assert!(notices[0].starts_with("No path was chosen") && notices[0].contains("To path…"));
+    let (typed, notices, has_dialogs) = answer(60_000);
+    assert_eq!((typed, has_dialogs), (None, true));
+    assert!(notices[0].starts_with("No path was chosen"));
 }
 
 #[test]
@@ -121,7 +126,7 @@ fn no_path_is_asked_for_where_there_is_no_camera_path_to_export() {
     let mut app = ready(2, 2);
     app.apply(Command::Path(PathCommand::AddKey));
     for purpose in [Purpose::Share(&ways_out::pictures::PICTURES), Purpose::Share(&ways_out::film::VIDEO)] {
-        app.apply(Command::File(FileCommand::TypePath(purpose)));
+        app.apply(Command::File(FileCommand::AskPath(purpose)));
         assert!(app.state.typed_path.is_none());
         let told = app.state.notices.pop().unwrap();
         assert!(told.text.contains("two keys at least") && told.text.contains("Camera path view"));
@@ -315,7 +320,7 @@ fn a_sweep_is_saved_as_csv_once_it_has_a_point() {
     let file = folder.path().join("points.csv");
     let mut app = ready(2, 2);
     let save = Purpose::SaveTable(Table::Sweep);
-    app.apply(Command::File(FileCommand::TypePath(save)));
+    app.apply(Command::File(FileCommand::AskPath(save)));
     assert!(app.state.typed_path.is_none() && app.notices()[0].starts_with("Nothing to save yet"));
     app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
     wait(&mut app, "a point", |app| !app.state.doc.charts.sweep.is_empty());

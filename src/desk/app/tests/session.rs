@@ -59,7 +59,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     let [session, store, again] = ["a.overlook", "a.ovl", "again.ovl"].map(|name| folder.path().join(name));
     let mut app = ready(2, 1);
     assert!(app.state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_))));
-    app.apply(Command::File(FileCommand::TypePath(Purpose::SaveSession)));
+    app.apply(Command::File(FileCommand::AskPath(Purpose::SaveSession)));
     assert!(
         app.notices().iter().any(|notice| notice.starts_with("No session to save")),
         "{:?}",
@@ -97,8 +97,14 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     app.take_path(Purpose::Share(&ways_out::store::STORE), store.clone());
     settle(&mut app);
     let before = held(&app);
+    assert_eq!(app.state.unsaved_work(), None, "what a session holds is saved");
 
     let text = std::fs::read_to_string(&session).unwrap();
+    assert_eq!(
+        text.matches("transform_matrix").count(),
+        2,
+        "the keys of the path are written, not each picture"
+    );
     assert!(text.lines().nth(1).unwrap().contains("--set pruning.depth_tolerance=2"), "{text}");
     let mut other = OverlookApp::new(&egui::Context::default(), None, None, Start::Path(session)).unwrap();
     other.state.live.size = [48, 36];

@@ -23,7 +23,7 @@ fn a_chart_is_written_in_the_format_of_its_name_and_copied() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 2);
     let save = Purpose::SaveChart(Study::Sweep);
-    app.apply(Command::File(FileCommand::TypePath(save)));
+    app.apply(Command::File(FileCommand::AskPath(save)));
     assert!(app.state.typed_path.is_none(), "no path is asked for in vain");
     assert!(app.notices().iter().any(|notice| notice.contains("There is no sweep chart yet")));
     let trial = Trial::new("default, gather", Settings::default());
@@ -36,7 +36,7 @@ fn a_chart_is_written_in_the_format_of_its_name_and_copied() {
         settle(&mut app);
         assert!(std::fs::read(&path).unwrap().starts_with(begins), "{ending}");
     }
-    app.apply(Command::File(FileCommand::TypePath(save)));
+    app.apply(Command::File(FileCommand::AskPath(save)));
     assert_eq!(app.state.typed_path.as_ref().unwrap().text, "sweep.pdf");
     app.apply(Command::Chart(ChartCommand::Copy(Study::Sweep)));
     settle(&mut app);

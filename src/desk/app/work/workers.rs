@@ -233,7 +233,7 @@ impl Workers {
     }
 
     /// Work that takes long enough to be watched, and its progress while it runs.
-    pub(crate) fn watched(&self) -> [(Kind, Option<Progress>); 7] {
+    pub(crate) fn watched(&self) -> [(Kind, Option<Progress>); 9] {
         [
             (Kind::Open, self.open.progress()),
             (Kind::Prune, self.whole.worker.progress()),
@@ -241,6 +241,8 @@ impl Workers {
             (Kind::Export, self.export.progress()),
             (Kind::Study, self.study.progress()),
             (Kind::Compare, self.compare.worker.progress()),
+            (Kind::EditSamples, self.edits.worker.progress()),
+            (Kind::InspectFrame, self.inspect.worker.progress()),
             (Kind::MeasureAccuracy, self.measure.worker.progress()),
         ]
     }

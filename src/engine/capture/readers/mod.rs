@@ -99,7 +99,8 @@ fn unknown(place: &SourceFolder) -> Error {
         known_sources().collect::<Vec<_>>().join("; ")
     );
     if place.file.is_some() {
-        let what = "is neither a store nor a file that a capture is known by; open one of those, or the folder of a capture";
+        let what =
+            "is no store (.ovl) and no file of a capture; open one of those, or the folder of a capture";
         return Error::invalid(place.path.display(), what);
     }
     Error::invalid(place.path.display(), what)

@@ -49,7 +49,9 @@ impl DepthReading {
             Self::RayDistance => "depth fits better as distance along the ray (depth_kind)".to_owned(),
             Self::PlanarZ => "depth fits better as depth along the optical axis (depth_kind)".to_owned(),
             Self::Scaled(factor) => {
-                format!("depth fits better {factor} times as large (depth_unit_scale_factor)")
+                let [times, than] = if factor < 1.0 { [1.0 / factor, 0.0] } else { [factor, 1.0] };
+                let word = if than > 0.0 { "small" } else { "large" };
+                format!("depth is some {times:.4} times too {word}: set depth_unit_scale_factor to {factor}")
             }
         }
     }

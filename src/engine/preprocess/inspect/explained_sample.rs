@@ -109,10 +109,13 @@ impl<'a> ExplainedSample<'a> {
         if layer.inverse_depth[pixel.index] <= 0.0 {
             return None;
         }
-        let (distance, _) = self.plane_distance(target, layer, found.depth_expected, pixel)?;
+        self.plane_distance(target, layer, found.depth_expected, pixel)?;
+        let registration = pairs.registration(self.camera, other);
+        let (x, y) = (self.pixel.x, self.pixel.y);
+        let needed = limits.depth_tolerance_needed(registration, self.layer, x, y, layer);
         Some(PairQuantities {
             outcome: self.outcome(pairs, limits, other),
-            plane_distance_footprints: distance as f32,
+            depth_tolerance_needed: needed,
             normal_angle_degrees: angle_degrees(self.normal, layer.normal[pixel.index]) as f32,
             color_difference_steps: self.color_difference(layer, pixel.index) as f32,
         })

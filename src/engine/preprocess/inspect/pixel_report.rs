@@ -119,8 +119,8 @@ pub struct PixelExplanation {
 pub struct PairQuantities {
     /// The outcome of the test.
     pub outcome: Outcome,
-    /// See [`CameraEvidence::plane_distance_footprints`].
-    pub plane_distance_footprints: f32,
+    /// The least depth tolerance at which the depths agree, pixel footprints: what the measured noise explains is granted.
+    pub depth_tolerance_needed: f32,
     /// See [`CameraEvidence::normal_angle_degrees`]; NaN where either normal is unknown.
     pub normal_angle_degrees: f32,
     /// See [`CameraEvidence::color_difference_steps`].

@@ -121,6 +121,25 @@ impl SameSurface {
         self.compare(registration, source, target, [1]).outcome(0)
     }
 
+    /// The least depth tolerance, in footprints, at which the depths of the sample of `source` at `(x, y)` and of what the target shows
+    /// there agree, what noise explains aside; infinite where they cannot.
+    pub(crate) fn depth_tolerance_needed(
+        &self,
+        registration: &Registration,
+        source: &CameraLayer,
+        x: usize,
+        y: usize,
+        target: &CameraLayer,
+    ) -> f32 {
+        let block = PixelRun::<1>::new(source, x, y, 1);
+        let reprojected = registration.reproject(&block, target.width);
+        let source = SourceRun::of_layer(source, &block);
+        let target = TargetRun { layer: target, reprojected: &reprojected };
+        let mut required = RequiredTolerances::new(0.0);
+        self.compare_measuring::<1, true>(registration, source, target, [1], &mut required);
+        required.depth[0]
+    }
+
     /// As [`SameSurface::test`], for display. Where samples of shorter spans would decide the outcome, but do not count, the outcome names
     /// them.
     pub(crate) fn explain(

@@ -93,7 +93,7 @@ impl Figures {
     }
 }
 
-/// A figure before a change of settings and now.
+/// A figure before a change of settings and now, with its name in the headline where it stands there.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Difference {
     pub name: &'static str,
@@ -144,7 +144,7 @@ impl State {
         let of_frame = |figures: &Figures| figures.frame.filter(|(frame, _)| *frame == here).map(|it| it.1);
         [
             of_count("This frame", [of_frame(before), of_frame(&now)], count),
-            of_count("All samples", [before.samples, now.samples], count),
+            of_count("Samples kept", [before.samples, now.samples], count),
             of_count("Memory", [before.bytes, now.bytes], bytes),
             of_number("Accuracy", [before.psnr_db, now.psnr_db], "dB", 2),
             of_number("Live picture", [before.picture_ms, now.picture_ms], "ms", 0),
@@ -175,6 +175,6 @@ mod tests {
         state.doc.change.before = Some(known);
         let told = state.differences();
         assert_eq!(told.len(), 1, "{told:?}");
-        assert_eq!((told[0].name, told[0].now.as_ref()), ("All samples", None));
+        assert_eq!((told[0].name, told[0].now.as_ref()), ("Samples kept", None));
     }
 }

@@ -14,7 +14,7 @@ use crate::app::model::{self, Command, Commands, State};
 use crate::app::rooms::settings::ui::line;
 use crate::app::rooms::settings::{BARS, ThresholdAxis};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, heading_ui, note, segments_ui};
+use crate::app::widgets::{choice_ui, fold_ui, heading_ui, note, segments_ui};
 use overlook_engine::capture::ValueChannel;
 use overlook_engine::edits::Region;
 use overlook_engine::render::output::ranked_value;
@@ -30,13 +30,18 @@ pub(crate) fn color_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands
         let live = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.histogram.as_ref());
         let source = state.doc.source_shown.as_ref().and_then(|shown| shown.picture.histogram.as_ref());
         histogram_ui(ui, "Live view", live, "It is counted once the view rests and shows its picture.");
-        if state.has_capture() {
-            histogram_ui(ui, "Source", source, "It is counted where the source shows its picture.");
-        }
         values_ui(ui, state, &mut display.values, commands);
-        brightness_ui(ui, live.or(source), &mut display);
-        curve_ui(ui, &mut display);
+        if state.live.color_by != ColorBy::Value {
+            brightness_ui(ui, live.or(source), &mut display);
+        }
         background_ui(ui, &mut display);
+        if state.has_capture() {
+            let why_not = "It is counted where the source shows its picture.";
+            fold_ui(ui, "Histogram of the source", "color", false, |ui| {
+                histogram_ui(ui, "Source", source, why_not);
+            });
+        }
+        fold_ui(ui, "Tone curve and channel", "color", false, |ui| curve_ui(ui, &mut display));
         ui.add_space(space::MEDIUM);
         let reset = ui.add_enabled(state.display != Display::default(), egui::Button::new("Reset colors"));
         if reset.clicked() {

@@ -52,6 +52,15 @@ impl State {
         is_of_these.then_some(edited)
     }
 
+    /// The samples that the live view shows of what is edited: with the selection in its color, until another kind is chosen.
+    pub(crate) fn edited_shown(&self) -> Option<&Arc<SampleSet>> {
+        let (key, _) = self.doc.edits.edited.as_ref()?;
+        let (before, now) = (key.selection.as_ref(), self.doc.edits.shown_selection());
+        let is_same =
+            before.map(state::words) == now.as_ref().map(state::words) || self.doc.edits.draft.is_some();
+        self.edited().map(|edited| if is_same { &edited.shown } else { &edited.samples })
+    }
+
     /// The edited scene, if it is of the list and the selection as they are now.
     pub(crate) fn edited_now(&self) -> Option<&EditedScene> {
         let (key, _) = self.doc.edits.edited.as_ref()?;

@@ -255,6 +255,7 @@ pub(crate) fn last_shape(region: &mut Region) -> Option<&mut Region> {
         | Region::Color { .. }
         | Region::Depth { .. }
         | Region::Angle { .. }
+        | Region::ConfirmedByFewerThan(_)
         | Region::Value { .. } => Some(region),
         Region::Any(parts) | Region::All(parts) | Region::Without(parts) => {
             parts.last_mut().and_then(last_shape)

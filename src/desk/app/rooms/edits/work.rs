@@ -75,16 +75,20 @@ impl SampleEditor {
             let mark = Tokens::of(true).mark;
             let color =
                 [mark.r(), mark.g(), mark.b()].map(|channel| linear_from_srgb(f32::from(channel) / 255.0));
+            job.check()?;
             let (tinted, count) = selected(&base, region, color, votes, place)?;
             if list.is_idle() {
                 (edited.shown, edited.selected) = (Arc::new(tinted), count);
             } else {
+                job.check()?;
                 edited.shown = Arc::new(edit_tinted(&tinted, &base, &list, votes, place)?);
+                job.check()?;
                 let mut without = list;
                 without.edits.push(Edit::new("", Action::Delete, region.clone()));
                 let (rest, _) = edit_samples(&base, &without, votes, place)?;
                 edited.selected = edited.samples.sample_count().saturating_sub(rest.sample_count());
             }
+            job.check()?;
             edited.place = place_of_selection(&edited.shown, &edited.samples);
         }
         Ok(edited)

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use crate::address::{self, ViewAddress};
 use crate::app::control::OverlookApp;
 use crate::app::model::camera::OrbitCamera;
-use crate::app::model::command::{FileCommand, Opening};
+use crate::app::model::command::{FileCommand, Opening, WindowCommand};
 use crate::app::model::look::Display;
 use crate::app::model::picture::{ColorBy, Overlay};
 use crate::app::model::purpose::{Destination, Purpose};
 use crate::app::model::setting_names::SettingPairs;
-use crate::app::model::window::{DockView, NoticeKind, NoticeLink};
+use crate::app::model::window::{DockView, NoticeKind, NoticeLink, Workspace};
 use crate::app::model::{self, Command, Document, OpenScene, SceneSource};
 use crate::app::rooms::compare::state::CompareVantage;
 use crate::app::rooms::files::paths::lasting;
@@ -87,6 +87,7 @@ impl OverlookApp {
     pub(crate) fn opened(&mut self, scene: &Arc<OpenScene>) {
         self.state.remember_picture();
         self.forget_closed_scene(scene);
+        self.look_at_first(scene);
         self.show_views_of_scene();
         self.notify_of_opened(scene);
         // Work for the closed scene stops, except for files that are being written.
@@ -98,6 +99,19 @@ impl OverlookApp {
         self.go_to_opened_address(scene);
         let plays_once_open = std::mem::take(&mut self.state.timeline.plays_once_open);
         self.state.timeline.playing |= plays_once_open && scene.frame_count() > 1;
+    }
+
+    /// What a person's own data is looked at in first: not the comparison or the charts of the scene before, and upright pictures whole.
+    fn look_at_first(&mut self, scene: &OpenScene) {
+        if !matches!(scene.origin, SceneSource::Path(_)) {
+            return;
+        }
+        if matches!(self.state.look.workspace, Workspace::Compare | Workspace::Measure) {
+            self.apply(Command::Window(WindowCommand::Workspace(Workspace::Explore)));
+        }
+        let is_upright =
+            scene.cameras.first().is_some_and(|camera| camera.intrinsics.height > camera.intrinsics.width);
+        self.state.live.guides.locks_aspect |= is_upright;
     }
 
     /// Puts back to its start what belonged to the scene before `scene`.

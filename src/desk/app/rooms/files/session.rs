@@ -6,22 +6,46 @@ use std::sync::Arc;
 use crate::address::ViewAddress;
 use crate::app::control::OverlookApp;
 use crate::app::dock::Dock;
+use crate::app::model::command::FileCommand;
 use crate::app::model::purpose::Purpose;
 use crate::app::model::window::NoticeKind;
-use crate::app::model::{OpenScene, SceneSource};
+use crate::app::model::{Command, Message, OpenScene, SceneSource};
 use crate::app::rooms::files::SessionLook;
-use crate::app::rooms::files::paths::saved;
 use crate::app::rooms::files::state::Session;
 use crate::app::rooms::live::state::KeptView;
-use crate::app::rooms::path::CameraPath;
+use crate::app::rooms::path::{CameraPath, SavedPathKey};
+use overlook_engine::edits::EditList;
+use overlook_engine::whole_file;
 
 impl OverlookApp {
     /// Writes the session.
     pub(crate) fn save_session(&mut self, place: &Path) {
         let Some(session) = self.session() else { return };
         match session.to_text(place) {
-            Ok(text) => self.save(place.to_path_buf(), move |path, _| saved(path, text)),
+            Ok(text) => {
+                let (keys, list) = (self.state.doc.path.keys.clone(), self.state.doc.edits.list.clone());
+                self.save(place.to_path_buf(), move |path, _| {
+                    whole_file::write_all(path, text)?;
+                    Ok(Message::SessionSaved { path: path.to_path_buf(), keys, list })
+                });
+            }
             Err(error) => self.state.notify(NoticeKind::Error, "Session not saved", error.to_string()),
+        }
+    }
+
+    /// Takes in that a session was written: what is in it is saved, and the next one goes there without a question.
+    pub(crate) fn session_saved(&mut self, place: &Path, keys: Vec<SavedPathKey>, list: EditList) {
+        let doc = &mut self.state.doc;
+        (doc.path.saved, doc.edits.saved) = (keys, list);
+        doc.session_place = Some(place.to_path_buf());
+        self.state.notify(NoticeKind::Done, "Session saved", place.display().to_string());
+    }
+
+    /// Saves the session where it was saved last, or asks where.
+    pub(crate) fn save_session_again(&mut self) {
+        match self.state.doc.session_place.clone() {
+            Some(place) => self.save_session(&place),
+            None => self.apply(Command::File(FileCommand::AskPath(Purpose::SaveSession))),
         }
     }
 

@@ -56,6 +56,8 @@ struct SessionForm {
     version: u32,
     /// Relative to the file where it lies below its folder.
     opens: PathBuf,
+    /// The same relative to the file, where it does not: both may be moved together.
+    opens_beside: Option<PathBuf>,
     up: [f64; 3],
     #[serde(default)]
     view: String,
@@ -65,6 +67,9 @@ struct SessionForm {
     edits: String,
     #[serde(default)]
     path: String,
+    /// Pictures from each key of the path to the next; empty where the path has them itself.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    path_pictures: Vec<usize>,
     #[serde(default, skip_serializing_if = "String::is_empty")]
     path_easing: String,
     path_looks_at: Option<[f64; 3]>,
@@ -96,20 +101,23 @@ impl Session {
     /// `Invalid` where the camera path cannot be written.
     pub(crate) fn to_text(&self, place: &Path) -> Result<String> {
         let folder = place.parent().unwrap_or(Path::new(""));
+        let keys: Vec<PathView> = self.path.iter().filter(|view| view.is_key).cloned().collect();
         let path = if self.path.is_empty() {
             String::new()
         } else {
             // The session says how the path is eased, also of one without pictures.
-            path_to_json(self.up_in_world, &self.path, Easing::Linear)?
+            path_to_json(self.up_in_world, &keys, Easing::Linear)?
         };
         let form = SessionForm {
             version: VERSION,
             opens: self.opens.strip_prefix(folder).unwrap_or(&self.opens).to_path_buf(),
+            opens_beside: beside(&self.opens, folder),
             up: self.up_in_world.to_array(),
             view: self.view.clone(),
             settings: self.settings.to_toml(),
             edits: if self.has_edits() { self.edits.to_toml() } else { String::new() },
             path,
+            path_pictures: legs(&self.path),
             path_easing: match self.path_easing {
                 Easing::Linear => String::new(),
                 easing => easing.to_string(),
@@ -170,11 +178,13 @@ impl Session {
             Ok((name, read))
         });
         let kept_views = kept_views.collect::<Result<_>>()?;
+        let opens = folder.join(form.opens);
+        let moved = form.opens_beside.map(|beside| folder.join(beside)).filter(|_| !opens.exists());
         Ok(Self {
-            opens: folder.join(form.opens),
+            opens: moved.filter(|moved| moved.exists()).unwrap_or(opens),
             settings: Settings::from_toml(&form.settings, &name)?,
             edits,
-            path,
+            path: with_pictures(path, &form.path_pictures),
             path_easing,
             path_looks_at: form.path_looks_at.map(DVec3::from).filter(|point| point.is_finite()),
             up_in_world: up,
@@ -206,6 +216,37 @@ impl Session {
         }
         line
     }
+}
+
+/// The views from each key of a path to the next one, or to the end.
+fn legs(views: &[PathView]) -> Vec<usize> {
+    let keys: Vec<usize> = (0..views.len()).filter(|at| views[*at].is_key).collect();
+    let ends = keys.iter().skip(1).copied().chain([views.len()]);
+    keys.iter().zip(ends).map(|(key, end)| end - key).collect()
+}
+
+/// More pictures from one key to the next are a damaged file.
+const MOST_PICTURES: usize = 2000;
+
+/// The views of a path of keys with so many pictures from each to the next: the pace is what matters of those between.
+fn with_pictures(keys: Vec<PathView>, legs: &[usize]) -> Vec<PathView> {
+    if keys.len() != legs.len() {
+        return keys;
+    }
+    let leg = |(key, count): (PathView, &usize)| {
+        let between = PathView { is_key: false, ..key.clone() };
+        let others = std::iter::repeat_n(between, (*count).clamp(1, MOST_PICTURES) - 1);
+        std::iter::once(key).chain(others)
+    };
+    keys.into_iter().zip(legs).flat_map(leg).collect()
+}
+
+/// A path from a folder to where both lie, and from there; `None` where it lies below the folder or has nothing in common with it.
+fn beside(path: &Path, folder: &Path) -> Option<PathBuf> {
+    let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    let up = folder.components().count() - common;
+    let rest: PathBuf = path.components().skip(common).collect();
+    (common > 1 && up > 0).then(|| std::iter::repeat_n("..", up).collect::<PathBuf>().join(rest))
 }
 
 /// A path as a shell takes it.
@@ -289,6 +330,20 @@ mod tests {
 
     const KEPT: &str =
         "version = 1\nopens = \"a\"\nup = [0, 0, 1]\n[[kept_view]]\nname = \"a\"\nview = \"x\"\n";
+
+    #[test]
+    fn a_session_beside_its_capture_is_found_where_both_were_moved() {
+        let folder = tempfile::tempdir().unwrap();
+        let [sessions, capture] = ["sessions", "capture"].map(|name| folder.path().join("moved").join(name));
+        for place in [&sessions, &capture] {
+            std::fs::create_dir_all(place).unwrap();
+        }
+        let text = session("/data/project/capture").to_text(Path::new("/data/project/sessions/a.overlook"));
+        let read = Session::from_text(&text.unwrap(), &sessions.join("a.overlook")).unwrap();
+        assert_eq!(read.opens, sessions.join("../capture"));
+        assert_eq!(beside(Path::new("/data/a/capture"), Path::new("/data/a")), None);
+        assert_eq!(beside(Path::new("/data/capture"), Path::new("/home/me")), None);
+    }
 
     #[test]
     fn what_is_no_session_says_where_and_why() {

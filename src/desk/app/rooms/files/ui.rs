@@ -155,6 +155,12 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
 /// What can be saved before closing, and the answers; `closes` is false where something else is to be opened.
 fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut Commands) {
     let inspector = &state.inspector;
+    let has_place =
+        state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
+    if has_place && state.unsaved_work().is_some() && ui.button("Save session…").clicked() {
+        commands.push(Command::File(FileCommand::Stay));
+        commands.push(Command::File(FileCommand::AskPath(Purpose::SaveSession)));
+    }
     let saves = closes && state.is_unsaved() && !inspector.closing.writing;
     if saves && ui.button("Share the store…").accessible_name("Save before closing").clicked() {
         commands.push(Command::File(FileCommand::Stay));

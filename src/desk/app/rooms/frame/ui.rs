@@ -1,23 +1,22 @@
 //! What surrounds the views: the bar at the top, workspaces, the line at the bottom, notices and the log.
 
 use egui::{
-    Align, Align2, Button, Color32, Frame, Id, Label, Layout, Margin, Order, ProgressBar, RichText,
-    ScrollArea, Stroke, Ui,
+    Align, Align2, Button, Color32, Frame, Id, Label, Layout, Margin, Order, ProgressBar, RichText, Stroke,
+    Ui,
 };
 use egui_material_icons::icons::{
     ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_CLOSE, ICON_DARK_MODE, ICON_DASHBOARD, ICON_ERROR, ICON_FOLDER_OPEN,
-    ICON_HELP, ICON_LIGHT_MODE, ICON_NOTES, ICON_REPLAY, ICON_SAVE, ICON_SCIENCE, ICON_TERMINAL,
-    ICON_WARNING,
+    ICON_HELP, ICON_LIGHT_MODE, ICON_REPLAY, ICON_SAVE, ICON_SCIENCE, ICON_TERMINAL, ICON_WARNING,
 };
 
 use crate::app::model::command::{FileCommand, Opening, ReadingCommand, ViewCommand, WindowCommand};
-use crate::app::model::purpose::{FigureOf, Purpose, ShareCommand};
+use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::window::{
-    Area, CommandPalette, DockView, HelpPage, Notice, NoticeKind, NoticeLink, Workspace,
+    CommandPalette, DockView, HelpPage, Notice, NoticeKind, NoticeLink, Workspace,
 };
 use crate::app::model::{self, Busy, Command, Commands, SceneSource, State, WorkKind};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, empty_ui, icon_button, note, segments_ui, weak, width_of_segments};
+use crate::app::widgets::{self, choice_ui, icon_button, note, segments_ui, weak, width_of_segments};
 use overlook_engine::demo::SCENES;
 use overlook_engine::plural::counted;
 
@@ -75,12 +74,6 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 commands.push(command);
             }
         }
-        let why_not = state.why_no_readings();
-        let compare = ui.add_enabled(why_not.is_none(), Button::new("Compare readings…"));
-        let help = "Show how poses and depth are read, and how they would fit better.";
-        if compare.on_hover_text(help).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
-            commands.push(Command::Reading(ReadingCommand::Compare(true)));
-        }
         if state.recent.is_empty() {
             return;
         }
@@ -92,21 +85,17 @@ fn open_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 commands.push(Command::File(FileCommand::Open(Opening::Path(path.clone()))));
             }
         }
-        if ui.button("Forget recent files").clicked() {
-            commands.push(Command::File(FileCommand::ForgetRecent));
-        }
     });
 }
 
 fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     menu_ui(ui, ICON_SAVE, "Save", |ui| {
-        let (opened, shown) = (state.doc.scene.is_some(), state.doc.live_shown.is_some());
+        let opened = state.doc.scene.is_some();
         for (name, keys, enabled, command) in [
             ("Share…", "Ctrl+E", opened, Command::Share(ShareCommand::Open(None))),
-            ("Copy picture", "", shown, Command::Share(ShareCommand::CopyPicture(FigureOf::Live))),
             ("Copy the address of this view", "Ctrl+L", opened, Command::View(ViewCommand::CopyAddress)),
             ("Copy as command line", "", opened, Command::File(FileCommand::CopyCommandLine)),
-            ("Save session…", "", opened, Command::File(FileCommand::AskPath(Purpose::SaveSession))),
+            ("Save session…", "Ctrl+S", opened, Command::File(FileCommand::AskPath(Purpose::SaveSession))),
             ("Save settings…", "", true, Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
             ("Save edits…", "", opened, Command::File(FileCommand::AskPath(Purpose::SaveEdits))),
         ] {
@@ -123,15 +112,15 @@ fn save_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 fn demo_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     menu_ui(ui, ICON_SCIENCE, "Demo", |ui| {
-        let room =
-            ui.button("Room, pruned").on_hover_text("The room that the program comes with: opens at once.");
-        if room.clicked() {
+        if ui.button("Room, pruned").clicked() {
             commands.push(Command::File(FileCommand::Open(Opening::Room)));
         }
+        note(ui, "The room that the program comes with: opens at once.");
         for (name, help) in SCENES {
-            if ui.button(model::words(name)).on_hover_text(*help).clicked() {
+            if ui.button(model::words(name)).clicked() {
                 commands.push(Command::File(FileCommand::Open(Opening::Demo((*name).to_owned()))));
             }
+            note(ui, *help);
         }
     });
 }
@@ -152,8 +141,6 @@ fn views_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         });
         ui.separator();
-        shown_parts_ui(ui, state, commands);
-        ui.separator();
         if ui.button("Reset layout").on_hover_text("Put all views where they were at first").clicked() {
             commands.push(Command::Window(WindowCommand::ResetLayout));
         }
@@ -165,6 +152,7 @@ fn help_menu_ui(ui: &mut Ui, commands: &mut Commands) {
         for (name, keys, page) in [
             ("Guide", "", HelpPage::Guide(0)),
             ("Keyboard and mouse shortcuts", "?", HelpPage::Shortcuts),
+            ("Log", "", HelpPage::Log),
             ("About Overlook", "", HelpPage::About),
         ] {
             if ui.add(item(name, keys)).accessible_name(name).clicked() {
@@ -225,37 +213,6 @@ pub(crate) fn workspaces_ui(ui: &mut Ui, state: &State, rest: f32, commands: &mu
     commands.extend(chosen.map(|it| Command::Window(WindowCommand::Workspace(it))));
 }
 
-/// What of the window can be hidden, for the menu of views.
-pub(crate) fn shown_parts_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    for (area, name, keys) in Area::ALL {
-        let mut shown = state.look.shows(area);
-        let text = if keys.is_empty() { name.to_owned() } else { format!("{name}  ({keys})") };
-        if ui.checkbox(&mut shown, text).accessible_name(format!("Show {name}")).changed() {
-            commands.push(Command::Window(WindowCommand::ShowArea(area, shown)));
-        }
-    }
-    let mut totals = !state.look.hides_totals;
-    if ui.checkbox(&mut totals, "Summary bar").accessible_name("Show Summary bar").changed() {
-        commands.push(Command::Window(WindowCommand::ShowTotals(totals)));
-    }
-    ui.horizontal(|ui| {
-        ui.label("Interface size");
-        let percent = format!("{:.0} %", 100.0 * ui.ctx().zoom_factor());
-        for (text, name, help, step) in [
-            ("−", "Smaller interface", "Everything smaller (Ctrl+−)", -1),
-            (percent.as_str(), "Normal interface", "As large as the system says (Ctrl+0)", 0),
-            ("+", "Larger interface", "Everything larger (Ctrl++)", 1),
-        ] {
-            if ui.button(text).on_hover_text(help).accessible_name(name).clicked() {
-                commands.push(Command::Window(WindowCommand::InterfaceSize(step)));
-            }
-        }
-    });
-    if ui.add(Button::new("Full screen").shortcut_text("F11")).accessible_name("Full screen").clicked() {
-        commands.push(Command::Window(WindowCommand::FullScreen));
-    }
-}
-
 pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     ui.horizontal_centered(|ui| {
@@ -287,10 +244,12 @@ pub(crate) fn status_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 }
 
 /// A stage in the words of somebody who watches it: a built-in scene is traced as it is read, and nobody moves its cameras.
-fn stage_words<'a>(state: &State, stage: &'a str) -> &'a str {
+fn stage_words<'a>(state: &State, busy: &'a Busy) -> &'a str {
     let is_traced =
         state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_)));
-    match stage {
+    match busy.progress.stage.as_str() {
+        "" if busy.work == WorkKind::EditSamples => "Selecting",
+        "" if busy.work == WorkKind::InspectFrame => "Reading this frame",
         "" => "Starting",
         "Reading frames" if is_traced => "Tracing the built-in scene",
         "Aligning cameras" => "Checking camera poses",
@@ -302,7 +261,7 @@ fn stage_words<'a>(state: &State, stage: &'a str) -> &'a str {
 fn busy_ui(ui: &mut Ui, state: &State, busy: &Busy) {
     let tokens = Tokens::in_ui(ui);
     let progress = &busy.progress;
-    let stage = stage_words(state, &progress.stage);
+    let stage = stage_words(state, busy);
     let study = state.doc.charts.under_way().filter(|_| busy.work == WorkKind::Study);
     let whole = match study {
         Some(study) if progress.context.is_empty() => study.name().to_owned(),
@@ -338,7 +297,7 @@ fn frame_facts_ui(ui: &mut Ui, state: &State) {
     let samples = inspected.inspection.samples.sample_count();
     let pixels: u64 = inspected.inspection.cameras.iter().map(|camera| camera.verdict.len() as u64).sum();
     let mut facts =
-        format!("This frame: {} of {} drawn", model::count(samples), model::count_of(pixels, "sample"));
+        format!("This frame: {} kept of {}", model::count(samples), model::count_of(pixels, "pixel"));
     if !inspected.with_scan {
         facts.push_str(" (static parts not known yet)");
     }
@@ -358,16 +317,25 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
     if state.notices.is_empty() {
         return;
     }
-    let left = space::LARGE + 8.0;
-    let (align, offset) = if state.doc.scene.is_some() {
-        // Over the lower edge of the pictures: what is written below them stays readable.
-        let below = space::STATUS + space::TIMELINE + 2.0 * space::LARGE;
-        (Align2::LEFT_BOTTOM, egui::vec2(left, -below))
-    } else {
+    let area = egui::Area::new(Id::unique("notices")).order(Order::Foreground);
+    let area = match widgets::drawn_picture(ctx, "live picture") {
+        // Over the lower edge of the picture, where no button is.
+        Some(picture) => {
+            let right = ctx.content_rect().right() - WIDTH - space::LARGE;
+            let corner = egui::pos2((picture.left() + 8.0).min(right), picture.bottom() - 8.0);
+            area.pivot(Align2::LEFT_BOTTOM).fixed_pos(corner)
+        }
+        None if state.doc.scene.is_some() => {
+            let below = space::STATUS + space::TIMELINE + 2.0 * space::LARGE;
+            area.anchor(Align2::LEFT_BOTTOM, egui::vec2(space::LARGE + 8.0, -below))
+        }
         // Above the ways to open something.
-        (Align2::LEFT_TOP, egui::vec2(left, space::TOP_BAR + space::TOTALS + space::LARGE))
+        None => {
+            let offset = egui::vec2(space::LARGE + 8.0, space::TOP_BAR + space::TOTALS + space::LARGE);
+            area.anchor(Align2::LEFT_TOP, offset)
+        }
     };
-    egui::Area::new(Id::unique("notices")).order(Order::Foreground).anchor(align, offset).show(ctx, |ui| {
+    area.show(ctx, |ui| {
         ui.set_width(WIDTH);
         for notice in state.notices.iter().rev().take(SHOWN).rev() {
             notice_ui(ui, notice, commands);
@@ -429,34 +397,4 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                 }
             });
         });
-}
-
-pub(crate) fn log_ui(ui: &mut Ui, state: &State, _commands: &mut Commands) {
-    let tokens = Tokens::in_ui(ui);
-    let log = &state.inspector.log;
-    let Some(first) = log.front() else {
-        empty_ui(
-            ui,
-            ICON_NOTES,
-            "Nothing happened yet",
-            "Work that is done and trouble that is met appear here.",
-            |_| {},
-        );
-        return;
-    };
-    ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 2.0;
-        for line in log {
-            ui.horizontal_top(|ui| {
-                let seconds = line.at.duration_since(first.at).as_secs_f64();
-                ui.label(RichText::new(format!("{seconds:8.2} s")).monospace().color(tokens.text_weak));
-                let color = match line.kind {
-                    NoticeKind::Error => tokens.error,
-                    NoticeKind::Warning => tokens.warning,
-                    NoticeKind::Done => tokens.text,
-                };
-                ui.add(Label::new(RichText::new(&line.text).color(color)).wrap().selectable(true));
-            });
-        }
-    });
 }

@@ -209,8 +209,10 @@ impl OverlookApp {
             KeptViewCommand::Keep => {
                 let name = next_name(kept);
                 let Some(view) = self.view_address() else { return };
+                let text = format!("It is \"{name}\" in Go to… and in the View panel.");
                 self.state.doc.kept_views.push(KeptView { name, view });
                 self.picture_view();
+                self.state.notify(NoticeKind::Done, "View kept", text);
             }
             KeptViewCommand::GoTo(index) => {
                 let Some((scene, kept)) = self.state.doc.scene.clone().zip(kept.get(index)) else { return };

@@ -41,7 +41,7 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> CameraText {
 }
 
 /// The text in place of a frame that could not be computed.
-pub(crate) const FAILED_FRAME: &str = "This frame could not be computed: see the reason in the Log view.";
+pub(crate) const FAILED_FRAME: &str = "This frame could not be computed: see the reason in Help > Log.";
 
 /// Shown while a verdict is not known yet, of the pinned pixel or of the one under the pointer.
 pub(crate) fn pending_verdict(state: &State, is_kept: bool) -> &'static str {

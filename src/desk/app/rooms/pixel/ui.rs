@@ -2,14 +2,11 @@
 
 use egui::{Align, Button, Label, Layout, Rect, RichText, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder, TableRow};
-use egui_material_icons::icons::{
-    ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING, ICON_TABLE_VIEW,
-};
+use egui_material_icons::icons::{ICON_CONTENT_COPY, ICON_KEEP, ICON_KEEP_OFF, ICON_LOCATION_SEARCHING};
 
 use crate::app::model::camera_text::CameraText;
 use crate::app::model::command::{PixelCommand, ViewCommand};
 use crate::app::model::look::Unit;
-use crate::app::model::purpose::{Table, TableForm};
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::pixel::state::Probed;
 use crate::app::rooms::pixel::{
@@ -25,24 +22,19 @@ use overlook_engine::preprocess::inspect::CameraEvidence;
 const SUMMARY: f32 = 264.0;
 
 /// Width that the table needs at its full size, and the size of its letters in less.
-const TABLE: f32 = 826.0;
+const TABLE: f32 = 764.0;
 const NARROW: f32 = 11.0;
 
 /// Least width of the last column, which gets what the others leave: beyond that the table scrolls to the side.
 const OWN_SAMPLE: f32 = 110.0;
 
 /// Columns of the table: heading, width in points, and what it means.
-const COLUMNS: [(&str, f32, &str); 9] = [
+const COLUMNS: [(&str, f32, &str); 8] = [
     ("Camera", 88.0, "Click a name to see the point there."),
     ("Visible", 128.0, "Whether the camera shows the same surface point, and if not, why."),
     ("Depth", 96.0, "Planar depth expected at the point, and the depth that the camera recorded there."),
     ("Depth error", 74.0, "Distance to the surface found there, in pixel footprints (px)."),
     ("Angle", 44.0, "Angle of incidence: between the line of sight and the surface's normal."),
-    (
-        "Paper r",
-        50.0,
-        "The paper's r: planar depth over cosine of incidence, this pixel's divided by that camera's. Below 1 this pixel is denser.",
-    ),
     (
         "Density",
         54.0,
@@ -143,12 +135,6 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
                 "Copy explanation",
                 "Copy all of this as text (Ctrl+Shift+C)",
                 Command::Pixel(PixelCommand::CopyExplanation),
-            ),
-            (
-                ICON_TABLE_VIEW,
-                "Copy CSV of the pixel table",
-                "Copy the table as CSV",
-                Command::CopyTable(Table::Pixel, TableForm::Csv),
             ),
             (pin, pin_name, pin_help, Command::Pixel(PixelCommand::Pin(!pinned))),
         ] {
@@ -296,9 +282,8 @@ fn row_ui(
         tolerance.normal_tolerance
     );
     cell(angle, turned, help);
-    for rate in rates(row) {
-        cell(rate, false, String::new());
-    }
+    let [paper_r, density] = rates(row);
+    cell(density, false, format!("The paper's r, without focal length and resolution: {paper_r}."));
     let apart = row.color_difference_steps > f64::from(tolerance.color_tolerance);
     cell(distance(row.color_difference_steps), apart, String::new());
     line.col(|ui| {

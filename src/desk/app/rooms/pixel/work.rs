@@ -62,7 +62,7 @@ pub(crate) struct MemoryRequest {
 impl Wanted for MemoryRequest {
     fn wanted(state: &State) -> Option<Self> {
         // A store plays from disk: its sample set is an outline.
-        let is_seen = state.shows(DockView::Memory) && state.has_capture();
+        let is_seen = state.shows(DockView::Report) && state.has_capture();
         let samples = state.whole_samples().filter(|_| is_seen)?.clone();
         Some(Self { scene: state.doc.scene.as_ref()?.id, samples: Same(samples) })
     }

@@ -39,7 +39,7 @@ impl OverlookApp {
                 continue;
             }
             let title = format!("Check the capture: {}", suspect.name().to_lowercase());
-            state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Matrix));
+            state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Report));
         }
         let line = format!(
             "Pruned the capture: {} of {} kept. {}",

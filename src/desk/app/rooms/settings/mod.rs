@@ -191,8 +191,9 @@ impl ThresholdHistogram {
         self.sorted.is_empty()
     }
 
-    /// The number of values within a threshold, and beyond it.
+    /// The number of values within a threshold, or what noise explains beyond it, and of the others.
     pub(crate) fn sides(&self, threshold: f64) -> (usize, usize) {
+        let threshold = threshold.max(f64::from(self.noise.unwrap_or_default()));
         let within = self.sorted.partition_point(|value| f64::from(*value) <= threshold);
         (within, self.sorted.len() - within)
     }

@@ -8,12 +8,14 @@ use egui_material_icons::icons::{ICON_DELETE, ICON_REDO, ICON_RESTART_ALT, ICON_
 
 use crate::app::control::gave_up_number;
 use crate::app::model::command::SettingsCommand;
-use crate::app::model::setting_names::{SECTIONS, SettingPairs};
+use crate::app::model::setting_names::{ADVANCED, SECTIONS, SettingPairs};
 use crate::app::model::{self, Command, Commands, SettingsSlot, State};
 use crate::app::rooms::change::ui::change_ui;
 use crate::app::rooms::settings::{BARS, CUT, PRESETS, ThresholdAxis, ThresholdHistogram, changed, keep};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{bare_icon_button, choice_ui, help_beside, icon_button, note, text_field_ui, weak};
+use crate::app::widgets::{
+    bare_icon_button, choice_ui, fold_ui, help_beside, icon_button, note, text_field_ui, weak,
+};
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::{Field, Settings, ValueKind};
 
@@ -52,7 +54,6 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             sections.sort_by_key(|(section, ..)| *section != "render");
         }
         for (section, heading, open) in sections {
-            let fields: Vec<_> = fields_of(section).collect();
             CollapsingHeader::new(RichText::new(*heading).strong())
                 .id_salt((*section, editable))
                 .default_open(*open && (editable || *section == "render"))
@@ -64,9 +65,21 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                         note(ui, text);
                     }
                     ui.add_enabled_ui(editable || *section == "render", |ui| {
-                        for field in fields {
+                        let (folded, shown): (Vec<_>, Vec<_>) =
+                            fields_of(section).partition(|field| ADVANCED.contains(&field.path));
+                        for field in shown {
                             field_ui(ui, field, &values, state, commands);
                         }
+                        if folded.is_empty() {
+                            return;
+                        }
+                        let wanted =
+                            folded.iter().any(|field| state.inspector.find_setting == Some(field.path));
+                        fold_ui(ui, "Advanced", section, wanted, |ui| {
+                            for field in folded {
+                                field_ui(ui, field, &values, state, commands);
+                            }
+                        });
                     });
                     ui.add_space(space::MEDIUM);
                 });

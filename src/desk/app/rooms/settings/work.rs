@@ -44,10 +44,8 @@ impl Wanted for HistogramRequest {
 pub(crate) fn histograms(request: &HistogramRequest) -> Message {
     let HistogramRequest { scene, inspection, scan, settings } = request;
     let scan = scan.as_deref().map(|scan| &**scan);
-    let focal = inspection.samples.cameras.first().map_or(1.0, |camera| camera.intrinsics.fx as f32);
     let noise = MedianNoise::of(scan);
-    let mut found: Vec<_> =
-        of_pairs(inspection, &settings.pruning, noise, focal).into_iter().flatten().collect();
+    let mut found: Vec<_> = of_pairs(inspection, &settings.pruning, noise).into_iter().flatten().collect();
     for histogram in &mut found {
         histogram.frame = Some(inspection.frame);
     }
@@ -76,15 +74,14 @@ impl MedianNoise {
     }
 }
 
-/// Histograms of what the same-surface test compares; `focal` is the focal length in pixels.
+/// Histograms of what the same-surface test compares.
 fn of_pairs(
     inspection: &FrameInspection,
     pruning: &PruningSettings,
     noise: MedianNoise,
-    focal: f32,
 ) -> [Option<ThresholdHistogram>; 3] {
     let pairs = pair_quantities(inspection, AT_MOST);
-    let near = |pair: &PairQuantities| pair.plane_distance_footprints <= pruning.depth_tolerance;
+    let near = |pair: &PairQuantities| pair.depth_tolerance_needed <= pruning.depth_tolerance;
     let facing = |pair: &PairQuantities| {
         pair.normal_angle_degrees.is_nan() || pair.normal_angle_degrees <= pruning.normal_tolerance
     };
@@ -95,10 +92,9 @@ fn of_pairs(
     [
         ThresholdHistogram::new(
             "pruning.depth_tolerance",
-            "pairs of samples whose cameras both recorded something there",
-            // A footprint is depth over focal length.
-            noise.depth.map(|noise| noise * focal),
-            counted(&|_| true, &|pair| pair.plane_distance_footprints),
+            "pairs of samples, by the tolerance that they need beside what noise explains",
+            None,
+            counted(&|_| true, &|pair| pair.depth_tolerance_needed),
         ),
         ThresholdHistogram::new(
             "pruning.normal_tolerance",

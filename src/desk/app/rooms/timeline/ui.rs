@@ -11,11 +11,10 @@ use egui_material_icons::icons::{
 
 use crate::app::colormap::sequential;
 use crate::app::model::command::PathCommand;
-use crate::app::model::purpose::Table;
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::rooms::timeline::{TimeCommand, Timeline};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{empty_ui, icon_button, note, table_buttons_ui, weak};
+use crate::app::widgets::{empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::SpanReport;
 
@@ -218,7 +217,6 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let caption =
             "Samples by the span of frames they are stored for; lighter is more. Click to go to a frame.";
         note(ui, caption);
-        table_buttons_ui(ui, Table::Spans, commands);
         if state.is_stale() {
             ui.label(RichText::new("Out of date.").small().color(tokens.warning));
         }

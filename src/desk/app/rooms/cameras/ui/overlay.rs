@@ -1,9 +1,7 @@
 //! The cameras in the live view: pyramids with their pictures in them, which are pointed at, clicked and double-clicked.
 
-use std::sync::Arc;
-
 use egui::epaint::Vertex;
-use egui::{Color32, Galley, Mesh, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, pos2, vec2};
+use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, pos2, vec2};
 use glam::DVec2;
 
 use crate::app::camera_cues;
@@ -11,8 +9,6 @@ use crate::app::model::command::{SourceCommand, ViewCommand, WindowCommand};
 use crate::app::model::window::DockView;
 use crate::app::model::{Command, Commands, OpenScene, State};
 use crate::app::rooms::cameras::{as_drawn, frustum};
-use crate::app::theme::Tokens;
-use overlook_engine::capture::Camera;
 
 /// Length of a camera's pyramid, as a share of its distance to what all look at.
 const PYRAMID: f64 = 0.12;
@@ -27,9 +23,8 @@ const LARGE: f32 = 0.1;
 const REACH: f32 = 6.0;
 
 /// A camera as the live view shows it.
-pub(crate) struct ProjectedCamera<'a> {
+pub(crate) struct ProjectedCamera {
     pub index: usize,
-    camera: &'a Camera,
     lines: Vec<[Pos2; 2]>,
     apex: Option<Pos2>,
     /// Its picture in patches, row by row, if all of it is in front of the view.
@@ -37,17 +32,10 @@ pub(crate) struct ProjectedCamera<'a> {
     apart: f64,
     /// How much of it is to be seen, 0 to 1.
     presence: f32,
-    /// Its name, where it has room.
-    label: Option<(Rect, Arc<Galley>)>,
 }
 
 /// The cameras in view, the farthest first.
-pub(crate) fn seen_cameras<'a>(
-    ui: &Ui,
-    canvas: Rect,
-    state: &State,
-    scene: &'a OpenScene,
-) -> Vec<ProjectedCamera<'a>> {
+pub(crate) fn seen_cameras(canvas: Rect, state: &State, scene: &OpenScene) -> Vec<ProjectedCamera> {
     let size = [canvas.width() as u32, canvas.height() as u32];
     let Some(vantage) = state.seen_camera(size).filter(|_| state.live.show_cameras) else {
         return Vec::new();
@@ -75,40 +63,15 @@ pub(crate) fn seen_cameras<'a>(
         let line = |line: [Pos2; 2]| line.map(|point| canvas.min + point.to_vec2());
         seen.push(ProjectedCamera {
             index,
-            camera,
             lines: shape.lines.into_iter().map(line).collect(),
             apex: shape.apex.map(|apex| canvas.min + apex.to_vec2()),
             picture: picture.collect(),
             apart,
             presence,
-            label: None,
         });
     }
     seen.sort_by(|a, b| b.apart.total_cmp(&a.apart));
-    name(ui, canvas, state, &mut seen);
     seen
-}
-
-/// Where names overlap, one is shown: the chosen camera's, then the nearest.
-fn name(ui: &Ui, canvas: Rect, state: &State, seen: &mut [ProjectedCamera<'_>]) {
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let chosen = |camera: &ProjectedCamera<'_>| is_chosen(state, camera.index);
-    let mut order: Vec<usize> = (0..seen.len()).rev().collect();
-    order.sort_by_key(|at| !chosen(&seen[*at]));
-    let mut plates: Vec<Rect> = Vec::new();
-    for at in order {
-        let Some(apex) = seen[at].apex.filter(|apex| canvas.contains(*apex)) else { continue };
-        let name = seen[at].camera.name.clone();
-        let galley = ui.painter().layout_no_wrap(name, font.clone(), Color32::PLACEHOLDER);
-        let size = galley.size() + vec2(8.0, 4.0);
-        let corner = (apex + vec2(6.0, -18.0)).clamp(canvas.min, (canvas.max - size).max(canvas.min));
-        let plate = Rect::from_min_size(corner, size);
-        if plates.iter().any(|other| other.intersects(plate)) {
-            continue;
-        }
-        plates.push(plate);
-        seen[at].label = Some((plate, galley));
-    }
 }
 
 /// Whether a camera is the chosen one. The first one is so by itself only where there is a picture of it.
@@ -125,18 +88,14 @@ pub(crate) fn clicks(state: &State) -> &'static str {
     }
 }
 
-/// The nearest camera with its name or pyramid under the pointer.
-pub(crate) fn camera_at(seen: &[ProjectedCamera<'_>], canvas: Rect, pointer: Option<Pos2>) -> Option<usize> {
+/// The nearest camera with its pyramid under the pointer.
+pub(crate) fn camera_at(seen: &[ProjectedCamera], canvas: Rect, pointer: Option<Pos2>) -> Option<usize> {
     let pointer = pointer.filter(|pointer| canvas.contains(*pointer))?;
-    let named = seen
-        .iter()
-        .rev()
-        .find(|camera| camera.label.as_ref().is_some_and(|(plate, _)| plate.contains(pointer)));
-    let hit = || seen.iter().rev().find(|camera| is_hit(camera, canvas, pointer));
-    named.or_else(hit).map(|camera| camera.index)
+    let hit = seen.iter().rev().find(|camera| is_hit(camera, canvas, pointer));
+    hit.map(|camera| camera.index)
 }
 
-fn is_hit(camera: &ProjectedCamera<'_>, canvas: Rect, pointer: Pos2) -> bool {
+fn is_hit(camera: &ProjectedCamera, canvas: Rect, pointer: Pos2) -> bool {
     let near = |[a, b]: &[Pos2; 2]| {
         let along = *b - *a;
         let share = ((pointer - *a).dot(along) / along.length_sq().max(1e-6)).clamp(0.0, 1.0);
@@ -164,33 +123,16 @@ fn is_hit(camera: &ProjectedCamera<'_>, canvas: Rect, pointer: Pos2) -> bool {
 }
 
 /// Draws the cameras, the one that is pointed at on top.
-pub(crate) fn draw(
-    ui: &Ui,
-    painter: &Painter,
-    state: &State,
-    seen: &[ProjectedCamera<'_>],
-    pointed_at: Option<usize>,
-) {
-    let tokens = Tokens::in_ui(ui);
+pub(crate) fn draw(painter: &Painter, state: &State, seen: &[ProjectedCamera], pointed_at: Option<usize>) {
     for camera in seen.iter().filter(|camera| Some(camera.index) != pointed_at) {
         draw_camera(painter, state, camera, false);
     }
     for camera in seen.iter().filter(|camera| Some(camera.index) == pointed_at) {
         draw_camera(painter, state, camera, true);
     }
-    for camera in seen {
-        if let Some((plate, galley)) = &camera.label {
-            let is_pointed_at = Some(camera.index) == pointed_at;
-            let fill =
-                if is_pointed_at { tokens.accent } else { tokens.scrim.gamma_multiply(camera.presence) };
-            let text = if is_pointed_at { tokens.on_accent } else { tokens.on_scrim };
-            painter.rect_filled(*plate, 4.0, fill);
-            painter.galley(plate.min + vec2(4.0, 2.0), galley.clone(), text.gamma_multiply(camera.presence));
-        }
-    }
 }
 
-fn draw_camera(painter: &Painter, state: &State, camera: &ProjectedCamera<'_>, is_pointed_at: bool) {
+fn draw_camera(painter: &Painter, state: &State, camera: &ProjectedCamera, is_pointed_at: bool) {
     let is_on = state.live.cameras.shows(camera.index);
     let strength = camera.presence * if is_on || is_pointed_at { 1.0 } else { 0.3 };
     let texture = state.doc.thumbs.get(camera.index).filter(|_| state.live.guides.pictures && is_on);

@@ -86,7 +86,7 @@ impl Default for Charts {
             dial_scale: Scale::Linear,
             hidden: HashSet::new(),
             question: None,
-            choices: [StudyChoice::default(), StudyChoice::default()],
+            choices: [StudyChoice::quick(), StudyChoice::quick()],
             last_point: None,
             seconds_each: [None; 2],
             studying: false,
@@ -311,7 +311,7 @@ impl Study {
 }
 
 /// What is chosen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct StudyChoice {
     /// What is not measured: settings by their paths; methods, kernels and disturbances by their names.
     pub left_out: BTreeSet<String>,
@@ -320,14 +320,13 @@ pub(crate) struct StudyChoice {
     pub budget: Option<Duration>,
 }
 
-impl Default for StudyChoice {
-    fn default() -> Self {
-        let budget = Some(Duration::from_mins(3));
-        Self { left_out: BTreeSet::new(), fineness: Fineness::default(), budget }
-    }
-}
-
 impl StudyChoice {
+    /// The ends and the middle of each setting, with the kernel of the settings alone, for some minutes.
+    pub(crate) fn quick() -> Self {
+        let left_out = Kernel::ALL.iter().map(|kernel| kernel.name().to_owned()).collect();
+        Self { left_out, fineness: Fineness::Medium, budget: Some(Duration::from_mins(3)) }
+    }
+
     /// Whether the same is measured, for however long.
     pub(crate) fn measures_as(&self, other: &Self) -> bool {
         (&self.left_out, self.fineness) == (&other.left_out, other.fineness)
@@ -341,10 +340,11 @@ impl StudyChoice {
     pub(crate) fn sweep_plan(&self, settings: &Settings, capture: &Capture) -> SweepPlan {
         let mut plan = SweepPlan::standard(settings, capture);
         plan.choose(self.fineness, |planned| {
+            let kernel = planned.trial.settings.render.kernel;
             let has_kernel = !planned.series.is_rival() && planned.series != Series::Paper;
             planned.dials().all(|(path, _)| self.takes(path))
                 && self.takes(planned.series.name())
-                && (!has_kernel || self.takes(planned.trial.settings.render.kernel.name()))
+                && (!has_kernel || kernel == settings.render.kernel || self.takes(kernel.name()))
         });
         plan.budget = self.budget;
         plan
@@ -368,11 +368,12 @@ impl Study {
                 let plan = SweepPlan::standard(settings, capture);
                 let paths = distinct(plan.trials.iter().flat_map(Planned::dials).map(|(path, _)| path));
                 let methods = distinct(plan.trials.iter().map(|planned| planned.series));
+                let others = Kernel::ALL.iter().filter(|kernel| **kernel != settings.render.kernel);
                 let is_method = |of: &Series| !matches!(of, Series::Reference | Series::Variation);
                 vec![
                     ("Settings", owned(&mut paths.into_iter())),
                     ("Methods", owned(&mut methods.into_iter().filter(is_method).map(Series::name))),
-                    ("Kernels", owned(&mut Kernel::ALL.iter().map(|kernel| kernel.name()))),
+                    ("Other kernels", owned(&mut others.map(|kernel| kernel.name()))),
                 ]
             }
             Self::Stress => {

@@ -16,10 +16,9 @@ use super::state::axis::{
 use super::state::{Charts, Study, StudyChoice};
 use crate::app::camera_cues;
 use crate::app::model::command::{ChartCommand, SettingsCommand};
-use crate::app::model::purpose::Table;
 use crate::app::model::{self, Command, Commands, State, sentence};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{choice_ui, one_line, segments_ui, table_buttons_ui, weak};
+use crate::app::widgets::{choice_ui, one_line, segments_ui, weak};
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::{Kernel, Settings};
 use overlook_lab::chart::{ChartSeries, Marker, Scale, series};
@@ -27,8 +26,8 @@ use overlook_lab::stress::{StressPlan, StressPoint, distinct};
 use overlook_lab::sweep::{Point, Series};
 use overlook_lab::trial::Fineness;
 use parts::{
-    HINT, Mark, chart_buttons_ui, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape,
-    study_button, tick_values,
+    HINT, Mark, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape, study_button,
+    tick_values,
 };
 
 /// Name of the ring in the chart.
@@ -133,8 +132,6 @@ fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         }
         study_button(ui, state, Study::Sweep, commands);
-        chart_buttons_ui(ui, Study::Sweep, commands);
-        table_buttons_ui(ui, Table::Sweep, commands);
     });
 }
 
@@ -219,8 +216,6 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
             commands.push(Command::Chart(ChartCommand::DialScale(scale)));
         }
         study_button(ui, state, Study::Stress, commands);
-        chart_buttons_ui(ui, Study::Stress, commands);
-        table_buttons_ui(ui, Table::StressTest, commands);
     });
     if let Some(words) = charts.stale_stress_note(&state.settings) {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
@@ -337,14 +332,29 @@ pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Com
     let modal = Modal::new(Id::unique("what to measure")).frame(frame).show(ctx, |ui| {
         ui.set_width(WIDTH.min(ctx.content_rect().width() - 2.0 * space::LARGE));
         ui.heading(study.name());
-        for (title, names) in &question.groups {
-            group_ui(ui, title, names, &mut choice);
+        ui.add_space(space::SMALL);
+        let amounts = [
+            (Some(StudyChoice::quick()), "Quick"),
+            (Some(StudyChoice::default()), "Full"),
+            (None, "Choose…"),
+        ];
+        let id = ui.scope_id().with("chooses");
+        let is_known = amounts.iter().any(|(known, _)| known.as_ref() == Some(&choice));
+        let chooses = !is_known || ui.data(|data| data.get_temp(id).unwrap_or(false));
+        let now = if chooses { 2 } else { usize::from(choice == StudyChoice::default()) };
+        let segments = [0, 1, 2].map(|at| (at, amounts[at].1, AMOUNTS[at]));
+        if let Some(at) = segments_ui(ui, "Amount", now, segments) {
+            ui.data_mut(|data| data.insert_temp(id, at == 2));
+            choice = amounts[at].0.clone().unwrap_or(choice.clone());
         }
-        ui.add_space(space::MEDIUM);
-        Grid::new("how to measure")
-            .num_columns(2)
-            .spacing([12.0, 8.0])
-            .show(ui, |ui| how_ui(ui, &mut choice));
+        if chooses {
+            for (title, names) in &question.groups {
+                group_ui(ui, title, names, &mut choice);
+            }
+            ui.add_space(space::MEDIUM);
+            let grid = Grid::new("how to measure").num_columns(2).spacing([12.0, 8.0]);
+            grid.show(ui, |ui| how_ui(ui, &mut choice));
+        }
         ui.add_space(space::SMALL);
         weak(ui, amount(question.measurements, charts.seconds_for(study, question.measurements)));
         ui.add_space(space::MEDIUM);
@@ -368,6 +378,13 @@ pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Com
         commands.push(Command::Chart(ChartCommand::Ask(None)));
     }
 }
+
+/// What each amount is.
+const AMOUNTS: [&str; 3] = [
+    "The ends and the middle of everything, your settings and other methods first; stops after 3 minutes.",
+    "All values of everything, until all is measured.",
+    "What is measured, how finely and for how long.",
+];
 
 fn how_ui(ui: &mut Ui, choice: &mut StudyChoice) {
     ui.label("Values");

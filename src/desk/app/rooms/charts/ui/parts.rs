@@ -169,26 +169,6 @@ pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &
     }
 }
 
-/// Copies or saves a chart as a picture, in a row that wraps.
-pub(crate) fn chart_buttons_ui(ui: &mut Ui, study: Study, commands: &mut Commands) {
-    let of = match study {
-        Study::Sweep => "The axes and the series that are shown, on white paper.",
-        Study::Stress => "All disturbances with the methods that are shown, on white paper.",
-    };
-    let [copy, save] = chart_commands(study);
-    for (verb, dots, help, command) in [
-        ("Copy", "", of.to_owned(), copy),
-        ("Save", "…", format!("{of} PDF, SVG or PNG, by the ending of the file's name."), save),
-    ] {
-        let name = format!("{verb} chart{dots}");
-        let button = egui::Button::new(egui::RichText::new(name).small()).small();
-        let button = ui.add(button.wrap_mode(TextWrapMode::Extend)).on_hover_text(help);
-        if button.accessible_name(format!("{verb} the {}", study.chart_name())).clicked() {
-            commands.push(command);
-        }
-    }
-}
-
 /// What copies and what saves a chart.
 pub(crate) fn chart_commands(study: Study) -> [Command; 2] {
     [

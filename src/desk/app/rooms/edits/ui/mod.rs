@@ -4,7 +4,8 @@ pub(crate) mod drawing;
 
 use egui::{Checkbox, DragValue, Grid, Label, RichText, ScrollArea, Slider, TextEdit, Ui};
 use egui_material_icons::icons::{
-    ICON_ARROW_DOWNWARD, ICON_ARROW_UPWARD, ICON_CONTENT_COPY, ICON_DELETE, ICON_REDO, ICON_UNDO,
+    ICON_ARROW_DROP_DOWN, ICON_BRUSH, ICON_COLORIZE, ICON_DELETE, ICON_HIGHLIGHT_ALT, ICON_LASSO_SELECT,
+    ICON_LAYERS, ICON_MORE_VERT, ICON_REDO, ICON_UNDO,
 };
 use glam::DVec3;
 
@@ -12,10 +13,11 @@ use crate::app::model::command::{
     Combine, DrawnDepth, EditCommand, EditTime, EditTool, EditTools, FileCommand,
 };
 use crate::app::model::purpose::Purpose;
+use crate::app::model::window::DockView;
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::rooms::edits::state::{BRUSH_RADII, SceneEdits, last_shape, words as region_words};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{heading_ui, icon_button, note, segments_ui, weak};
+use crate::app::widgets::{ICON_BUTTON, heading_ui, icon_button, note, segments_ui, weak};
 use crate::ways_out;
 use overlook_engine::color::{linear_from_srgb, srgb_from_linear};
 use overlook_engine::edits::{Action, Edit, Region};
@@ -34,7 +36,7 @@ pub(crate) fn edits_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         selection_ui(ui, state, &mut sent);
         mask_ui(ui, state, &mut sent);
         list_ui(ui, state, &mut sent, commands);
-        files_ui(ui, state, commands);
+        save_ui(ui, state, commands);
     });
     commands.extend(sent.into_iter().map(Command::Edit));
 }
@@ -145,26 +147,28 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
                 change(None, &|edits| edits[index].is_on = on);
             }
             let mut name = edit.name.clone();
-            let width = (ui.available_width() - 148.0).max(60.0);
+            let width = (ui.available_width() - 80.0).max(60.0);
             let field = ui.add(TextEdit::singleline(&mut name).desired_width(width));
             let field = field.accessible_name(format!("Name of edit {}", index + 1));
             if field.on_hover_text(region_words(&edit.region)).changed() {
                 change(Some(index), &|edits| name.clone_into(&mut edits[index].name));
             }
-            for (icon, name, to) in [
-                (ICON_ARROW_UPWARD, "Move edit up", index.checked_sub(1)),
-                (ICON_ARROW_DOWNWARD, "Move edit down", (index < last).then_some(index + 1)),
-            ] {
-                ui.add_enabled_ui(to.is_some(), |ui| {
-                    if let (true, Some(to)) = (icon_button(ui, icon, name, name).clicked(), to) {
+            let more = egui::Button::new(ICON_MORE_VERT.rich_text().size(16.0)).min_size(ICON_BUTTON);
+            let (more, _) = egui::containers::menu::MenuButton::from_button(more).ui(ui, |ui| {
+                for (name, to) in
+                    [("Move up", index.checked_sub(1)), ("Move down", (index < last).then_some(index + 1))]
+                {
+                    let button = ui.add_enabled(to.is_some(), egui::Button::new(name));
+                    if let (true, Some(to)) = (button.clicked(), to) {
                         change(None, &|edits| edits.swap(index, to));
                     }
-                });
-            }
-            let help = "Select the region of this edit, to reshape it or to combine it with others";
-            if icon_button(ui, ICON_CONTENT_COPY, "Select region of edit", help).clicked() {
-                selects = Some(edit.region.clone());
-            }
+                }
+                let help = "To reshape it, or to combine it with others.";
+                if ui.button("Select its region").on_hover_text(help).clicked() {
+                    selects = Some(edit.region.clone());
+                }
+            });
+            more.accessible_name(format!("More of edit {}", index + 1));
             if icon_button(ui, ICON_DELETE, "Remove edit", "Take this edit out of the list").clicked() {
                 change(None, &|edits| drop(edits.remove(index)));
             }
@@ -211,23 +215,12 @@ fn below_list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, comman
     });
 }
 
-fn files_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+fn save_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     ui.add_space(space::MEDIUM);
-    ui.horizontal_wrapped(|ui| {
-        for (name, help, command) in [
-            (
-                "Save edits…",
-                "Write the list as text, which overlook preprocess, render, export and edit obey.",
-                Purpose::SaveEdits,
-            ),
-            ("Open edits…", "Put a list that was saved in the place of this one.", Purpose::LoadEdits),
-            ("Save cleaned store…", SAVES, Purpose::Share(&ways_out::store::STORE)),
-        ] {
-            if ui.button(name).on_hover_text(help).clicked() {
-                commands.push(Command::File(FileCommand::AskPath(command)));
-            }
-        }
-    });
+    if ui.button("Save cleaned store…").on_hover_text(SAVES).clicked() {
+        let store = Purpose::Share(&ways_out::store::STORE);
+        commands.push(Command::File(FileCommand::AskPath(store)));
+    }
     if state.has_capture() && !state.doc.edits.list.is_idle() {
         weak(
             ui,
@@ -314,6 +307,13 @@ fn numbers_ui(ui: &mut Ui, region: &mut Region, state: &State) -> bool {
                 let open = Dragged::new(f64::NEG_INFINITY, f64::INFINITY, speed, "");
                 range_row(ui, "Value", from, to, open)
             }
+            Region::ConfirmedByFewerThan(cameras) => {
+                let mut count = f64::from(*cameras);
+                let changed =
+                    row(ui, "Fewer than", &["cameras"], &mut [&mut count], Dragged::new(1.0, 64.0, 0.05, ""));
+                *cameras = count as u32;
+                changed
+            }
             Region::Color { linear, tolerance } => color_ui(ui, linear, tolerance),
             _ => false,
         }
@@ -379,13 +379,11 @@ pub(crate) fn select_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>)
                 sent.push(EditCommand::Select(region));
             }
         }
-        for tool in EditTool::ALL.iter().filter(|(tool, ..)| *tool != EditTool::Mask) {
-            tool_ui(ui, state, tool, "Select", sent);
-        }
+        ui.menu_button(("By rule", ICON_ARROW_DROP_DOWN.rich_text()), |ui| rules_ui(ui, state, sent))
+            .response
+            .accessible_name("Select by rule");
     });
     brush_ui(ui, state, sent);
-    evidence_ui(ui, state, sent);
-    ranges_ui(ui, state, sent);
     if let Some(combine) = segments_ui(ui, "Selection", edits.tools.combine, Combine::ALL) {
         sent.push(EditCommand::Tools(EditTools { combine, ..edits.tools }));
     }
@@ -394,96 +392,73 @@ pub(crate) fn select_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>)
     }
 }
 
-/// Selects by what cameras say.
-fn evidence_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
-    let id = ui.scope_id().with("least cameras");
-    let mut least: u32 = ui.data(|data| data.get_temp(id)).unwrap_or(2);
+/// Selects by what cameras say, and by ranges, whose ends are then numbers of the selection.
+fn rules_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
+    let distance = state.live.orbit.as_ref().map_or(1.0, |orbit| orbit.pivot_distance);
     let knows_votes = state.has_capture();
     let why_not = "A store does not hold which cameras confirm its samples; open the capture, or use overlook edit --capture.";
-    ui.horizontal_wrapped(|ui| {
-        for (name, help, region, is_known) in [
-            (
-                "Contradicted",
-                "Samples that more other cameras look past than confirm.",
-                Region::Contradicted,
-                knows_votes,
-            ),
-            (
-                "One camera",
-                "Samples that no other camera could have seen.",
-                Region::SeenByOneCamera,
-                knows_votes,
-            ),
-            (
-                "Doubtful",
-                "Samples that no other camera confirms among noisy cameras.",
-                Region::Doubtful,
-                true,
-            ),
-        ] {
-            let button =
-                ui.add_enabled(is_known, egui::Button::new(name)).accessible_name(format!("Select {name}"));
-            if button.on_hover_text(help).on_disabled_hover_text(why_not).clicked() {
-                sent.push(EditCommand::Select(region));
-            }
-        }
-        let button = ui.add_enabled(knows_votes, egui::Button::new("Confirmed by fewer than"));
-        let button = button.accessible_name("Select confirmed by fewer");
-        let help = "Samples that fewer other cameras than this confirm.";
+    for (name, help, region, is_known) in [
+        (
+            "Contradicted",
+            "Samples that more other cameras look past than confirm.",
+            Region::Contradicted,
+            knows_votes,
+        ),
+        ("One camera", "Samples that no other camera could have seen.", Region::SeenByOneCamera, knows_votes),
+        (
+            "Confirmed by few",
+            "Samples that fewer other cameras than a number confirm.",
+            Region::ConfirmedByFewerThan(2),
+            knows_votes,
+        ),
+        ("Doubtful", "Samples that no other camera confirms among noisy cameras.", Region::Doubtful, true),
+        (
+            "Near and far",
+            "Samples by their depth in their own camera; at first those nearer than what the view turns about.",
+            Region::Depth { from: 0.0, to: distance },
+            true,
+        ),
+        (
+            "Angle",
+            "Samples by the angle between their surface's normal and the direction to their camera, where normals are stored; at first \
+             those seen at a slant.",
+            SLANTED,
+            true,
+        ),
+    ] {
+        let button =
+            ui.add_enabled(is_known, egui::Button::new(name)).accessible_name(format!("Select {name}"));
         if button.on_hover_text(help).on_disabled_hover_text(why_not).clicked() {
-            sent.push(EditCommand::Select(Region::ConfirmedByFewerThan(least)));
+            sent.push(EditCommand::Select(region));
         }
-        let drag = ui.add(DragValue::new(&mut least).range(1..=64)).accessible_name("Least cameras");
-        if drag.changed() {
-            ui.data_mut(|data| data.insert_temp(id, least));
-            if matches!(state.doc.edits.selection, Some(Region::ConfirmedByFewerThan(_))) {
-                sent.push(EditCommand::Reshape(Some(Region::ConfirmedByFewerThan(least))));
-            }
+    }
+    for channel in state.value_channels() {
+        let [from, to] = channel.range.map(f64::from);
+        if ui.button(format!("Value: {}", channel.name)).clicked() {
+            sent.push(EditCommand::Select(Region::Value { name: channel.name.clone(), from, to }));
         }
-        cameras_ui(
-            ui,
-            state,
-            "Camera",
-            |camera| EditCommand::Select(Region::Cameras(vec![camera.to_owned()])),
-            sent,
-        );
-    });
+    }
+    let of_camera = |camera: &str| EditCommand::Select(Region::Cameras(vec![camera.to_owned()]));
+    cameras_ui(ui, state, "Camera", of_camera, sent);
 }
 
-/// Selects by ranges, whose ends are then numbers of the selection.
-fn ranges_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>) {
-    let distance = state.live.orbit.as_ref().map_or(1.0, |orbit| orbit.pivot_distance);
-    ui.horizontal_wrapped(|ui| {
-        for (name, help, region) in [
-            (
-                "Near and far",
-                "Samples by their depth in their own camera; at first those nearer than what the view turns about.",
-                Region::Depth { from: 0.0, to: distance },
-            ),
-            (
-                "Angle",
-                "Samples by the angle between their surface's normal and the direction to their camera, where normals are stored; at first \
-                 those seen at a slant.",
-                SLANTED,
-            ),
-        ] {
-            if ui.button(name).on_hover_text(help).accessible_name(format!("Select {name}")).clicked() {
-                sent.push(EditCommand::Select(region));
-            }
+/// The tools that select in pictures, as icons at the left edge of one, while edits are worked on.
+pub(crate) fn tools_ui(ui: &mut Ui, canvas: egui::Rect, state: &State, commands: &mut Commands) {
+    if !state.shows(DockView::Edits) && state.doc.edits.tools.tool.is_none() {
+        return;
+    }
+    let icons = [ICON_HIGHLIGHT_ALT, ICON_LASSO_SELECT, ICON_BRUSH, ICON_LAYERS, ICON_COLORIZE];
+    let tools = EditTool::ALL.iter().filter(|(tool, ..)| *tool != EditTool::Mask);
+    for (nth, ((tool, name, key, help), icon)) in tools.zip(icons).enumerate() {
+        let corner = canvas.min + egui::vec2(8.0, 8.0 + nth as f32 * (ICON_BUTTON.y + 4.0));
+        let place = egui::Rect::from_min_size(corner, ICON_BUTTON);
+        let is_on = state.doc.edits.tools.tool == Some(*tool);
+        let button = egui::Button::new(icon.rich_text().size(16.0)).selected(is_on).min_size(ICON_BUTTON);
+        let button = ui.put(place, button).accessible_name(format!("Select {name}"));
+        if button.on_hover_text(format!("{name}: {help} ({key})")).clicked() {
+            commands.push(Command::Edit(EditCommand::Tools(state.doc.edits.tools.with(*tool))));
         }
-        let channels = state.value_channels();
-        if !channels.is_empty() {
-            ui.menu_button("Value", |ui| {
-                for channel in channels {
-                    if ui.button(&channel.name).clicked() {
-                        let [from, to] = channel.range.map(f64::from);
-                        let name = channel.name.clone();
-                        sent.push(EditCommand::Select(Region::Value { name, from, to }));
-                    }
-                }
-            });
-        }
-    });
+    }
 }
 
 /// A button that takes a tool up or lays it down.

@@ -18,7 +18,7 @@ use crate::app::rooms::edits::state::SceneEdits;
 use crate::app::rooms::settings::{PRESETS, changed};
 use crate::app::rooms::source::SourceLook;
 use crate::app::rooms::timeline::{TimeCommand, Timeline};
-use crate::ways_out::{WAYS, Way};
+use crate::ways_out::WAYS;
 use overlook_engine::demo::SCENES;
 use overlook_engine::edits::Action;
 use overlook_engine::settings::{Settings, ValueKind};
@@ -81,29 +81,12 @@ pub(crate) fn entries(state: &State) -> Vec<PaletteEntry> {
         )
     });
     entries.extend(choices(state));
-    // Where no file dialog appears, or a path is at hand.
-    entries.extend(TYPED.map(|purpose| {
-        PaletteEntry::new(purpose.asked().entry.to_owned(), "", Command::File(FileCommand::TypePath(purpose)))
-    }));
     entries.extend(settings(turns));
     entries
 }
 
-/// What paths are typed for, beside the dialog of all ways out.
-const TYPED: [Purpose; 9] = [
-    Purpose::OpenFile,
-    Purpose::SaveSession,
-    Purpose::SaveSettings,
-    Purpose::LoadSettings,
-    Purpose::SaveEdits,
-    Purpose::LoadEdits,
-    Purpose::SavePath,
-    Purpose::LoadPath,
-    Purpose::OpenPictures,
-];
-
 /// Entries that are there whatever is open.
-fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command); 51] {
+fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command); 52] {
     let tool =
         |tool: EditTool| Command::Edit(EditCommand::Tools(EditTools { tool: Some(tool), ..edits.tools }));
     [
@@ -113,7 +96,7 @@ fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command);
         ("Load settings", "", Command::File(FileCommand::AskPath(Purpose::LoadSettings))),
         ("Save edits", "", Command::File(FileCommand::AskPath(Purpose::SaveEdits))),
         ("Copy as command line", "", Command::File(FileCommand::CopyCommandLine)),
-        ("Save session", "", Command::File(FileCommand::AskPath(Purpose::SaveSession))),
+        ("Save session", "Ctrl+S", Command::File(FileCommand::AskPath(Purpose::SaveSession))),
         ("Open edits", "", Command::File(FileCommand::AskPath(Purpose::LoadEdits))),
         ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
         ("Edit: keep only the selection", "", Command::Edit(EditCommand::Act(Action::KeepOnly))),
@@ -160,6 +143,7 @@ fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command);
             "?",
             Command::Window(WindowCommand::Help(Some(HelpPage::Shortcuts))),
         ),
+        ("Log", "", Command::Window(WindowCommand::Help(Some(HelpPage::Log)))),
         ("About Overlook and its version", "", Command::Window(WindowCommand::Help(Some(HelpPage::About)))),
         ("Interface size: larger", "Ctrl++", Command::Window(WindowCommand::InterfaceSize(1))),
         ("Interface size: smaller", "Ctrl+−", Command::Window(WindowCommand::InterfaceSize(-1))),
@@ -221,6 +205,11 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
     for (index, camera) in state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
         let [show, view] = CAMERA_KEYS.get(index).copied().unwrap_or_default();
         add(format!("Show camera '{}'", camera.name), show, Command::Source(SourceCommand::Camera(index)));
+        add(
+            format!("Leave out camera '{}'", camera.name),
+            "",
+            Command::Edit(EditCommand::LeaveOut(vec![index])),
+        );
         add(format!("View from camera '{}'", camera.name), view, Command::View(ViewCommand::JumpTo(index)));
     }
     entries
@@ -283,8 +272,7 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         entries.push((format!("Save the {}", study.chart_name()), "", save));
     }
     for (way, row) in WAYS {
-        let keys = if way == Way::Store { "Ctrl+S" } else { "" };
-        entries.push((format!("Share: {}", row.name), keys, Command::Share(ShareCommand::Open(Some(way)))));
+        entries.push((format!("Share: {}", row.name), "", Command::Share(ShareCommand::Open(Some(way)))));
     }
     for (name, keys, command) in view_commands(state) {
         entries.push((name.to_owned(), keys, command));

@@ -9,7 +9,7 @@ use egui::{Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 
 use crate::app::model::command::WindowCommand;
-use crate::app::model::window::{HELP, HelpPage};
+use crate::app::model::window::{HELP, HelpPage, NoticeKind};
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
@@ -31,6 +31,7 @@ pub(crate) fn help_ui(ctx: &egui::Context, state: &State, commands: &mut Command
         Some(HelpPage::Guide(page)) => guide_ui(ctx, page, commands),
         Some(HelpPage::Sources) => sheet_ui(ctx, commands, "What opens", sources_ui),
         Some(HelpPage::Shortcuts) => sheet_ui(ctx, commands, "Keyboard and mouse shortcuts", shortcuts_ui),
+        Some(HelpPage::Log) => sheet_ui(ctx, commands, "Log", |ui| log_ui(ui, state)),
         Some(HelpPage::About) => sheet_ui(ctx, commands, "About Overlook", |ui| about_ui(ui, state)),
     }
 }
@@ -145,6 +146,30 @@ fn shortcuts_ui(ui: &mut Ui) {
             ui.add_space(space::LARGE);
         }
     });
+}
+
+/// What happened, in order.
+fn log_ui(ui: &mut Ui, state: &State) {
+    let tokens = Tokens::in_ui(ui);
+    ui.set_width(SOURCES.min(ui.available_width()));
+    let log = &state.inspector.log;
+    let Some(first) = log.front() else {
+        weak(ui, "Work that is done and trouble that is met appear here.");
+        return;
+    };
+    ui.spacing_mut().item_spacing.y = 2.0;
+    for line in log {
+        ui.horizontal_top(|ui| {
+            let seconds = line.at.duration_since(first.at).as_secs_f64();
+            ui.label(RichText::new(format!("{seconds:8.2} s")).monospace().color(tokens.text_weak));
+            let color = match line.kind {
+                NoticeKind::Error => tokens.error,
+                NoticeKind::Warning => tokens.warning,
+                NoticeKind::Done => tokens.text,
+            };
+            ui.add(Label::new(RichText::new(&line.text).color(color)).wrap().selectable(true));
+        });
+    }
 }
 
 fn about_ui(ui: &mut Ui, state: &State) {

@@ -3,7 +3,7 @@
 mod guides;
 pub(crate) mod panel;
 
-use egui::{Align, Layout, Painter, PointerButton, Rect, Response, RichText, Sense, Ui, vec2};
+use egui::{Button, Painter, PointerButton, Rect, Response, RichText, Sense, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
@@ -17,17 +17,18 @@ use crate::app::rooms::cameras::ui::overlay as cameras_overlay;
 use crate::app::rooms::cameras::ui::overlay::{camera_at, seen_cameras};
 use crate::app::rooms::change::ui as change;
 use crate::app::rooms::edits::ui::drawing::{self, Drawn, PicturePlace, shape_ui};
+use crate::app::rooms::edits::ui::tools_ui;
 use crate::app::rooms::live::ui::guides::{color_under, inverse_depth_at, pixel_at};
 use crate::app::rooms::pixel::FAILED_FRAME;
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::source::ui::{FOOTER, legend, point_at};
 use crate::app::theme::Tokens;
-use crate::app::widgets::{
-    self, icon_button, least_width_of_segments, one_line, picture, scrolled, segments_ui, waiting,
-};
+use crate::app::widgets::{self, icon_button, one_line, picture, scrolled, segments_ui, waiting};
+use overlook_engine::capture::Intrinsics;
 use overlook_engine::capture::sighting::tolerances::MARKED_SURFACE;
 use overlook_engine::capture::sighting::{Sighting, compare};
 use overlook_engine::edits::{Region, Viewpoint};
+use overlook_engine::plural::counted;
 use overlook_engine::render::NO_IMAGE;
 
 /// Radians of orbit per point that the pointer is dragged.
@@ -35,9 +36,6 @@ const ORBIT_PER_POINT: f64 = 0.008;
 
 /// Largest side of the live view in pixels that is asked for.
 const LARGEST_SIDE: f32 = 4096.0;
-
-/// Width of `Holes` and what separates it, points.
-const LABEL_WIDTH: f32 = 66.0;
 
 pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     header_ui(ui, state, commands);
@@ -56,19 +54,16 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         if let Some(color_by) = segments_ui(ui, "Live view shows", state.live.color_by, state.live_colors()) {
             commands.push(Command::View(ViewCommand::look(&state.live, |live| live.color_by = color_by)));
         }
-        let needed = LABEL_WIDTH + least_width_of_segments(ui, &HoleDisplay::ALL);
-        if ui.available_size_before_wrap().x < needed {
-            ui.end_row();
-        } else {
-            ui.separator();
-        }
-        // As high as what follows: in a row of its own it would lie above the middle.
-        let height = ui.spacing().interact_size.y;
-        ui.allocate_ui_with_layout(vec2(0.0, height), Layout::left_to_right(Align::Center), |ui| {
-            ui.label(RichText::new("Holes").size(12.5));
-        });
-        if let Some(holes) = segments_ui(ui, "Holes", state.holes_shown(), HoleDisplay::ALL) {
-            commands.push(Command::View(ViewCommand::Holes(holes)));
+        let holes = state.holes_shown();
+        let at = HoleDisplay::ALL.iter().position(|(of, ..)| *of == holes).unwrap_or(0);
+        let (_, name, help) = HoleDisplay::ALL[at];
+        let (next, ..) = HoleDisplay::ALL[(at + 1) % HoleDisplay::ALL.len()];
+        let button = Button::selectable(
+            holes != HoleDisplay::Filled,
+            RichText::new(format!("Holes: {name}")).size(12.5),
+        );
+        if ui.add(button).on_hover_text(format!("{help} A click changes it.")).clicked() {
+            commands.push(Command::View(ViewCommand::Holes(next)));
         }
     });
 }
@@ -99,7 +94,11 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
         commands.push(Command::View(ViewCommand::Size(size)));
     }
     if let Some(seen) = state.live_seen() {
-        picture(&painter, seen.texture, canvas);
+        let place = place_of(state, &seen.camera.intrinsics, canvas);
+        if place != canvas {
+            widgets::empty_canvas(ui, &painter, canvas);
+        }
+        picture(&painter, seen.texture, place);
         widgets::note_picture(ui, canvas, "live picture");
     } else {
         widgets::empty_canvas(ui, &painter, canvas);
@@ -108,9 +107,9 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
         }
     }
     change::glows(&painter, canvas, state);
-    let seen = state.doc.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(ui, canvas, state, scene));
+    let seen = state.doc.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(canvas, state, scene));
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
-    cameras_overlay::draw(ui, &painter, state, &seen, pointed_at);
+    cameras_overlay::draw(&painter, state, &seen, pointed_at);
     if let Some(seen) = state.seen_camera([canvas.width() as u32, canvas.height() as u32]) {
         drawing::fresh_areas(&painter, &PicturePlace::filling(canvas), &seen, state);
     }
@@ -122,6 +121,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
     let is_taken = shape_ui(ui, &painter, canvas, state, commands) || is_taken;
     motion(ui, &response, canvas, state, is_taken, commands);
     guides::guides_ui(ui, &painter, canvas, state, commands);
+    tools_ui(ui, canvas, state, commands);
     mark_probe(&painter, canvas, state);
     if state.live.ruler.active {
         measure_ui(ui, &response, canvas, state, commands);
@@ -129,6 +129,19 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
         probe_ui(&response, canvas, state, commands);
     }
 }
+
+/// Where a picture of a lens belongs on a canvas: a canvas of another shape shows more or less of it, and nothing is stretched.
+fn place_of(state: &State, lens: &Intrinsics, canvas: Rect) -> Rect {
+    let (width, height) = (lens.width as f32, lens.height as f32);
+    let now = state.live_camera([canvas.width() as u32, canvas.height() as u32]);
+    let Some(now) = now.filter(|_| !SAME_SHAPE.contains(&(width / height / canvas.aspect_ratio()))) else {
+        return canvas;
+    };
+    Rect::from_center_size(canvas.center(), vec2(width, height) * (now.intrinsics.fx / lens.fx) as f32)
+}
+
+/// Ratios of the shapes of a picture and its canvas that whole pixels explain.
+const SAME_SHAPE: std::ops::Range<f32> = 0.98..1.02;
 
 /// Selects what is drawn or clicked on; true while a tool for that is on.
 fn draw_ui(
@@ -280,25 +293,27 @@ fn motion(
     }
 }
 
+/// What the mouse does in the picture.
+const MOUSE: &str = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to orbit about a point (beside all \
+                     surfaces: to reset the view), click to pin the pixel.";
+
 fn facts_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
+    let mut help = MOUSE.to_owned();
     let facts = match &state.doc.live_shown {
         Some(shown) => {
             let stats = &shown.picture.stats;
             let [width, height] = shown.picture.size;
             let reused = if stats.background_reused { ", static part cached" } else { "" };
-            format!(
-                "{} at {width}×{height} in {} ms by the {}{reused}",
-                model::count_of(stats.samples, "sample"),
-                model::significant(stats.milliseconds),
-                shown.picture.painter
-            )
+            let took = model::significant(stats.milliseconds);
+            help = format!("{width}×{height} in {took} ms by the {}{reused}. {help}", shown.picture.painter);
+            let edits = state.doc.edits.list.edits.iter().filter(|edit| edit.is_on).count();
+            let with = if edits > 0 { format!(", with {}", counted(edits, "edit")) } else { String::new() };
+            format!("{} drawn{with}", model::count_of(stats.samples, "sample"))
         }
         None if state.is_frame_failed() => FAILED_FRAME.to_owned(),
         None => "Rendering the first picture.".to_owned(),
     };
-    let help = "Drag to orbit, Shift + drag to pan, wheel to zoom, W A S D to fly, double-click to orbit about a point (beside all \
-                surfaces: to reset the view), click to pin the pixel.";
     let notice = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
     let (facts, color) = match notice {
         Some(notice) => (notice.clone(), tokens.warning),

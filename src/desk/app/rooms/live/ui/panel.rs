@@ -6,9 +6,7 @@ use egui::{
     Checkbox, DragValue, Grid, Label, Popup, PopupCloseBehavior, Rect, Response, RichText, ScrollArea, Sense,
     Slider, SliderClamping, TextEdit, Ui, vec2,
 };
-use egui_material_icons::icons::{
-    ICON_BOOKMARK_ADD, ICON_CONTENT_COPY, ICON_CONTENT_PASTE, ICON_DELETE, ICON_LINK, ICON_PLACE,
-};
+use egui_material_icons::icons::{ICON_BOOKMARK_ADD, ICON_DELETE, ICON_PLACE};
 
 use crate::app::camera_cues;
 use crate::app::model::camera::{ANGLES_OF_VIEW, OrbitCamera, ViewAngles};
@@ -18,7 +16,8 @@ use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::cameras::ui::camera_list_ui;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{
-    choice_ui, heading_ui, icon_button, note, picture, segments_ui, text_field_ui, view_picture_ui, weak,
+    NARROW, choice_ui, fold_ui, heading_ui, icon_button, note, picture, segments_ui, text_field_ui,
+    view_picture_ui, weak,
 };
 
 /// Frames of the window for which the panel scrolls to what was asked for: it may lie behind another then.
@@ -28,21 +27,18 @@ pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
     let Some(orbit) = &state.live.orbit else { return };
     let mut sent = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        heading_ui(ui, "Kept views");
+        kept_views_ui(ui, state, &mut sent);
         lens_ui(ui, orbit, &mut sent);
         heading_ui(ui, "Cameras");
         // The rows are closer than what follows.
         ui.scope(|ui| camera_list_ui(ui, state, commands));
-        pose_ui(ui, state, orbit, &mut sent);
-        guides_ui(ui, state, &mut sent);
         moving_ui(ui, state, &mut sent);
-        heading_ui(ui, "Kept views");
-        kept_views_ui(ui, state, &mut sent);
+        ui.add_space(space::MEDIUM);
+        fold_ui(ui, "Guides", "view", false, |ui| guides_ui(ui, state, &mut sent));
+        fold_ui(ui, "Pose", "view", false, |ui| pose_ui(ui, state, orbit, &mut sent));
     });
     commands.extend(sent.into_iter().map(Command::View));
-}
-
-fn grid_ui(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
-    Grid::new(name).num_columns(2).spacing([space::LARGE, 6.0]).show(ui, contents);
 }
 
 fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
@@ -62,7 +58,6 @@ fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
 }
 
 fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
-    heading_ui(ui, "Pose");
     let mut position = orbit.world_from_camera.translation;
     let mut angles = orbit.angles();
     let speed = orbit.pivot_distance * 0.005;
@@ -104,32 +99,15 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
     if angles != before {
         sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angles(angles)));
     }
-    ui.horizontal_wrapped(|ui| {
-        for (icon, name, help, command) in [
-            (ICON_CONTENT_COPY, "Copy view", COPY, ViewCommand::Copy),
-            (
-                ICON_CONTENT_PASTE,
-                "Paste view",
-                "Go to a copied view or address (Ctrl+V).",
-                ViewCommand::Paste,
-            ),
-            (ICON_LINK, "Copy address", ADDRESS, ViewCommand::CopyAddress),
-        ] {
-            let button = ui.button((icon.rich_text(), name)).accessible_name(name);
-            if button.on_hover_text(help).clicked() {
-                sent.push(command);
-            }
+    ui.horizontal(|ui| {
+        ui.label("Unit");
+        if let Some(unit) = segments_ui(ui, "Unit", state.live.unit, Unit::ALL) {
+            sent.push(ViewCommand::look(&state.live, |live| live.unit = unit));
         }
     });
 }
 
-const ADDRESS: &str =
-    "Copy the address of this view (Ctrl+L): this window, overlook open and exported pages go to it.";
-
-const COPY: &str = "Copy pose, lens and frame as text (Ctrl+C): a transforms.json that this window pastes and render --views takes.";
-
 fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
-    heading_ui(ui, "Guides");
     let mut guides = state.live.guides;
     ui.horizontal(|ui| {
         ui.label("Frame");
@@ -152,7 +130,7 @@ fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
 
 fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
     heading_ui(ui, "Navigation");
-    grid_ui(ui, "moving", |ui| {
+    Grid::new("moving").num_columns(2).spacing([space::LARGE, 6.0]).show(ui, |ui| {
         ui.label("Fly speed");
         let mut speed = state.live.fly_speed;
         let slider = Slider::new(&mut speed, FLY_SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
@@ -169,11 +147,6 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
         }
         if let Some(up) = choice_ui(ui, "Up axis", state.live.up, &UP_DIRECTIONS, 106.0) {
             sent.push(ViewCommand::Up(up));
-        }
-        ui.end_row();
-        ui.label("Unit");
-        if let Some(unit) = segments_ui(ui, "Unit", state.live.unit, Unit::ALL) {
-            sent.push(ViewCommand::look(&state.live, |live| live.unit = unit));
         }
         ui.end_row();
         ui.label("Distance");
@@ -222,9 +195,6 @@ pub(crate) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewComma
     if button.on_hover_text("Keep this view and its frame in the list (Ctrl+D).").clicked() {
         sent.push(ViewCommand::Kept(KeptViewCommand::Keep));
     }
-    if !kept.is_empty() {
-        note(ui, "A picture goes there; Alt and the left arrow come back. Sessions keep the list.");
-    }
 }
 
 /// Height of an entry, points.
@@ -233,15 +203,12 @@ const ROW: f32 = 42.0;
 /// Width of an entry's picture.
 const LISTED_PICTURE: f32 = 52.0;
 
-/// In less than this width the button shows an icon instead of its name, since the tabs need the room.
-const NARROW: f32 = 180.0;
-
 /// The button and its list.
 pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.doc.scene else { return };
     let text = if ui.available_width() < NARROW { ICON_PLACE.rich_text() } else { "Go to…".into() };
     let button = ui.button(text).accessible_name("Go to camera");
-    let button = button.on_hover_text("View from a camera.");
+    let button = button.on_hover_text("View from a camera, or go to a view that was kept.");
     let id = ui.scope_id().with("go to");
     Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside).width(260.0).show(|ui| {
         let mut filter: String = ui.data(|data| data.get_temp(id)).unwrap_or_default();
@@ -249,6 +216,7 @@ pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         if changed {
             ui.data_mut(|data| data.insert_temp(id, filter.clone()));
         }
+        kept_entries_ui(ui, state, commands);
         let wanted = filter.to_lowercase();
         let matching: Vec<usize> = (0..scene.cameras.len())
             .filter(|index| scene.cameras[*index].name.to_lowercase().contains(&wanted))
@@ -271,6 +239,19 @@ pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::View(ViewCommand::JumpTo(camera)));
             ui.data_mut(|data| data.remove::<String>(id));
             ui.close();
+        }
+    });
+}
+
+/// The views that are kept, as pictures beside each other.
+fn kept_entries_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    ui.horizontal_wrapped(|ui| {
+        for (index, kept) in state.doc.kept_views.iter().enumerate() {
+            let name = format!("kept {}", kept.name);
+            if view_picture_ui(ui, state.doc.view_pictures.of(&kept.view), &name) {
+                commands.push(Command::View(ViewCommand::Kept(KeptViewCommand::GoTo(index))));
+                ui.close();
+            }
         }
     });
 }

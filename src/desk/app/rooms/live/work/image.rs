@@ -27,7 +27,7 @@ use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::render::gpu::HolePattern;
 use overlook_engine::render::{
     NO_IMAGE, Painter, Picture, PictureCarrier, RenderStats, Renderer, ScreenPicture, ValueColors,
-    WindowPicture, output,
+    WindowPicture, background_holes, output,
 };
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Antialias, RenderSettings};
@@ -70,7 +70,7 @@ pub(crate) fn paint(
         }
         (WindowPicture::InMemory(rendered), stats) => {
             let pixels = colored(&rendered, key);
-            sky_holes = filled_with_sky(&rendered);
+            sky_holes = background_holes(&rendered, &samples, &key.vantage)?;
             let shows_picture = key.color_by == ColorBy::Picture && key.quality.is_none();
             histogram = shows_picture.then(|| histogram_of(&rendered.color, &pixels, |color| *color));
             let size = [pixels.width(), pixels.height()];
@@ -91,12 +91,6 @@ pub(crate) fn paint(
         notice: renderer.notice().map(str::to_owned),
         damage: key.playback.as_ref().map_or_else(Vec::new, |playback| playback.store().damage()),
     })
-}
-
-/// How many pixels that no sample reached show the sky.
-fn filled_with_sky(picture: &Picture) -> u64 {
-    let pixels = picture.image.as_slice().iter().zip(picture.inverse_depth.as_slice());
-    pixels.filter(|(image, depth)| **image == NO_IMAGE && **depth == 0.0).count() as u64
 }
 
 /// Renders into memory if the view is at rest or is colored by samples, else wherever that is fastest.
@@ -139,7 +133,8 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 (HoleDisplay::Hatched, _) => mix(own, pattern, HATCHING[nth]),
                 (HoleDisplay::Filled | HoleDisplay::Dimmed, ColorBy::Picture) => own,
                 // These colors describe samples, and this pixel has none.
-                (HoleDisplay::Filled | HoleDisplay::Dimmed, _) => dimmed(own, DIMMED),
+                (_, ColorBy::Value) => values.as_ref().map_or(own, LiveValues::missing),
+                _ => dimmed(own, DIMMED),
             };
         }
         let source = &key.samples.images[image as usize];
@@ -191,6 +186,12 @@ impl LiveValues {
         let shown = output::PictureValues::of(&key.samples, &key.vantage, picture);
         let (width, height) = picture.image.size();
         Some(Self { values: Grid::from_vec(width, height, shown.values.channel(channel).collect()), colors })
+    }
+
+    /// Of pixels without a value: one color, so that figures have one background.
+    fn missing(&self) -> Color32 {
+        let [r, g, b] = self.colors.color(f32::NAN);
+        Color32::from_rgb(r, g, b)
     }
 
     fn color(&self, x: usize, y: usize) -> Color32 {

@@ -24,7 +24,7 @@ impl State {
     pub(crate) fn follow_view(&mut self) {
         let Some(camera) = self.live_camera(self.live.size) else { return };
         let vantage = Vantage { camera, frame: self.timeline.frame };
-        let edited = self.edited().map(|edited| Same(edited.shown.clone()));
+        let edited = self.edited_shown().cloned().map(Same);
         self.doc.motion.follow(vantage, edited, self.live.is_held, self.timeline.playing);
     }
 }
@@ -32,7 +32,7 @@ impl State {
 impl Wanted for LiveKey {
     fn wanted(state: &State) -> Option<Self> {
         let scene = state.doc.scene.as_ref()?;
-        let edited = state.edited().map(|edited| &edited.shown);
+        let edited = state.edited_shown();
         let samples = edited.or_else(|| state.samples_here())?;
         let coarse = state.live.orbit.as_ref()?.size_in_motion(state.live.size);
         let quality = Self::changes_in(state).map(|_| state.doc.motion.budget.quality());

@@ -7,25 +7,24 @@ use egui_extras::{Column, TableBuilder};
 
 use crate::app::colormap::sequential;
 use crate::app::model::look::Unit;
-use crate::app::model::purpose::Table;
 use crate::app::model::{self, Commands, State};
 use crate::app::rooms::compare::compare_with;
 use crate::app::rooms::compare::state::CompareSide;
-use crate::app::rooms::report::ui::pairs::{PairCell, by_weight, pairs_ui, short};
+use crate::app::rooms::report::ui::pairs::{PairCell, order, pairs_ui, short};
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{dot, note, table_ui, weak};
+use crate::app::widgets::{dot, note, weak};
 use overlook_engine::alignment::{AlignedCamera, Alignment};
 use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
 
-/// Least width of a bar with its name, points. Narrower ones are drawn as one bar of all.
+/// Least width of a bar with its name, points. Where they have less, the least shares have no bar.
 const LEAST_WIDTH: f32 = 78.0;
 
 /// Between two bars, points.
 const GAP: f32 = 10.0;
 
-/// Width of the one bar, points: what is narrower says nothing.
-const LEAST_WHOLE: f32 = 90.0;
+/// Shares below this have no bar: 0.1 %.
+const LEAST_SHARE: f32 = 0.001;
 
 /// Height of a bar, points.
 const BAR: f32 = 7.0;
@@ -38,7 +37,7 @@ struct Cause {
     help: &'static str,
 }
 
-/// Every share, in the order in which pixels are lost; they add up to all pixels.
+/// Every share that is not nearly nothing, in the order in which pixels are lost.
 fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
     let cause = |name, pixels, color, help| Cause { name, pixels, color, help };
     let mut all = vec![
@@ -72,27 +71,26 @@ fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
     if account.cut > 0 {
         all.push(cause("Cut by hand", account.cut, tokens.text, "An edit deletes it."));
     }
+    all.retain(|cause| share(cause, account) >= LEAST_SHARE);
     all
 }
 
 /// The bars in the room that is left; nothing where that is too little.
 pub(crate) fn causes_ui(ui: &mut Ui, account: &PixelAccount) -> Option<Response> {
     let tokens = Tokens::in_ui(ui);
-    let all = causes(account, tokens);
+    let mut all = causes(account, tokens);
     let room = ui.available_size();
+    let fits = ((room.x + GAP) / (LEAST_WIDTH + GAP)) as usize;
+    let mut shares: Vec<u64> = all.iter().map(|cause| cause.pixels).collect();
+    shares.sort_unstable_by_key(|pixels| std::cmp::Reverse(*pixels));
+    let least = shares.get(fits.checked_sub(1)?).or(shares.last()).copied()?;
+    all.retain(|cause| cause.pixels >= least);
     let each = (room.x + GAP) / all.len() as f32 - GAP;
-    if room.x < LEAST_WHOLE {
-        return None;
-    }
     let (area, response) = ui.allocate_exact_size(room, Sense::click());
     let parts: Vec<String> =
         all.iter().map(|cause| format!("{} {}", cause.name, percent(cause, account))).collect();
     let name = format!("What became of all pixels: {}", parts.join(", "));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-    if each < LEAST_WIDTH {
-        whole_bar(ui, area, &all, account);
-        return Some(response.on_hover_text(format!("{name}. Click for the rules.")));
-    }
     let pointer = response.hover_pos();
     let mut help = None;
     for (nth, cause) in all.iter().enumerate() {
@@ -135,21 +133,6 @@ fn cause_bar(ui: &Ui, place: Rect, cause: &Cause, account: &PixelAccount, tokens
     painter.rect_filled(Rect::from_min_size(rail.min, vec2(length, BAR)), 2.0, cause.color);
 }
 
-/// One bar of all shares, under its name.
-fn whole_bar(ui: &Ui, area: Rect, all: &[Cause], account: &PixelAccount) {
-    let tokens = Tokens::in_ui(ui);
-    let font = TextStyle::Small.resolve(ui.style());
-    let name = ui.painter().text(area.left_top(), Align2::LEFT_TOP, "All pixels", font, tokens.text_weak);
-    let mut left = area.left();
-    let top = name.bottom() + 4.0;
-    for cause in all {
-        let width = area.width() * share(cause, account);
-        let part = Rect::from_min_size(pos2(left, top), vec2(width, 2.0 * BAR));
-        ui.painter().rect_filled(part, 0.0, cause.color);
-        left += width;
-    }
-}
-
 /// The corrections, and a button that shows the picture with and without them. Nothing without corrections.
 pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands: &mut Commands) {
     let Some(alignment) = &report.alignment else { return };
@@ -170,14 +153,14 @@ pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands
         if button.on_disabled_hover_text("Open the capture that the store was made from.").clicked() {
             compare_with(CompareSide::AsClaimed, state, commands);
         }
-        table_ui(ui, Table::Alignment, commands);
     });
     for lens in &alignment.lenses {
         ui.label(lens.sentence());
     }
-    corrections_ui(ui, alignment, state.live.unit);
+    let order = order(report);
+    corrections_ui(ui, alignment, &order, state.live.unit);
     ui.add_space(space::SMALL);
-    distances_ui(ui, alignment);
+    distances_ui(ui, alignment, &order);
     ui.add_space(space::LARGE);
 }
 
@@ -231,7 +214,7 @@ fn columns(alignment: &Alignment, unit: Unit) -> Vec<CorrectionColumn> {
 }
 
 /// One row a camera, with its standard errors where the pointer rests; and a warning of poses that stay unknown.
-fn corrections_ui(ui: &mut Ui, alignment: &Alignment, unit: Unit) {
+fn corrections_ui(ui: &mut Ui, alignment: &Alignment, order: &[usize], unit: Unit) {
     let tokens = *Tokens::in_ui(ui);
     let cameras = &alignment.cameras;
     let unknown = cameras.iter().filter(|camera| camera.pose.is_none() && camera.pose_is_weak);
@@ -247,9 +230,6 @@ fn corrections_ui(ui: &mut Ui, alignment: &Alignment, unit: Unit) {
     if columns.is_empty() {
         return;
     }
-    let order = by_weight(cameras.len(), |camera| {
-        cameras[camera].pose.as_ref().map_or(0.0, |pose| pose.footprints as f32)
-    });
     let rows = 2.0 + order.len().min(SCROLLED) as f32;
     let height = rows * (ROW + ui.spacing().item_spacing.y);
     let scroll = ScrollArea::horizontal().id_salt("corrections").max_height(height);
@@ -295,16 +275,12 @@ fn corrections_ui(ui: &mut Ui, alignment: &Alignment, unit: Unit) {
 }
 
 /// Matrices of distances before and after, on one scale.
-fn distances_ui(ui: &mut Ui, alignment: &Alignment) {
+fn distances_ui(ui: &mut Ui, alignment: &Alignment, order: &[usize]) {
     let names: Vec<&str> = alignment.cameras.iter().map(|camera| camera.name.as_str()).collect();
     let pair = |row: usize, column: usize| {
         alignment.pairs.iter().find(|pair| pair.source == row && pair.target == column)
     };
     let most = alignment.pairs.iter().map(|pair| pair.footprints[0]).fold(0.0, f64::max).max(0.05);
-    let order = by_weight(names.len(), |camera| {
-        let of_camera = alignment.pairs.iter().filter(|pair| pair.source == camera || pair.target == camera);
-        of_camera.map(|pair| pair.footprints[0] as f32).fold(0.0, f32::max)
-    });
     for (when, title) in ["Before: distance from the surface, half within", "After"].into_iter().enumerate() {
         note(ui, title);
         if when == 0 {
@@ -312,7 +288,7 @@ fn distances_ui(ui: &mut Ui, alignment: &Alignment) {
                 bar(ui, "0", &format!("{} footprints", model::significant(most)), 90.0, sequential);
             });
         }
-        pairs_ui(ui, title, &names, &order, |row, column| {
+        pairs_ui(ui, title, &names, order, |row, column| {
             let pair = pair(row, column)?;
             let [before, after] = pair.footprints;
             let [dim, clear] = pair.brightness;

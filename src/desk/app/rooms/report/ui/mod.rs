@@ -5,17 +5,15 @@ mod pairs;
 
 use egui::{Align, Color32, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
 use egui_extras::{Column, TableBuilder};
-use egui_material_icons::icons::{ICON_GRID_ON, ICON_MEMORY};
 
 use crate::app::camera_cues;
 use crate::app::model::command::WindowCommand;
-use crate::app::model::purpose::Table;
 use crate::app::model::window::DockView;
 use crate::app::model::{self, Accuracy, CameraMemory, Command, Commands, Content, State};
 use crate::app::rooms::report::ui::causes::{alignment_ui, causes_ui};
-use crate::app::rooms::report::ui::pairs::{agreement_ui, by_weight, replacements_ui, short};
+use crate::app::rooms::report::ui::pairs::{agreement_ui, order, replacements_ui, short};
 use crate::app::theme::{Tokens, figure_style, space};
-use crate::app::widgets::{dot, empty_ui, note, one_line, table_buttons_ui, table_ui, weak};
+use crate::app::widgets::{dot, note, one_line, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::{CameraReport, PixelAccount, Report};
 
@@ -27,52 +25,36 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.set_max_width(ui.available_width() - space::MEDIUM);
-        stale_ui(ui, state);
-        rules_ui(ui, report, commands);
-        ui.add_space(space::LARGE);
-        replacements_ui(ui, report, commands);
-        ui.add_space(space::LARGE);
-        agreement_ui(ui, report, commands);
-        ui.add_space(space::LARGE);
+        if let Some(words) = state.stale_note() {
+            ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
+        }
         alignment_ui(ui, state, report, commands);
-        cameras_ui(ui, report, commands);
-        ui.add_space(space::LARGE);
-    });
-}
-
-/// A note on numbers that were made with other settings.
-pub(crate) fn stale_ui(ui: &mut Ui, state: &State) {
-    if let Some(words) = state.stale_note() {
-        ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
-    }
-}
-
-/// Width from which on matrices stand beside each other.
-const TWO_COLUMNS: f32 = 720.0;
-
-/// The matrices alone.
-pub(crate) fn matrix_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(report) = state.report() else {
-        let text = "Which camera replaces which, and how well cameras agree, is known once the whole capture is pruned.";
-        empty_ui(ui, ICON_GRID_ON, "No matrix yet", text, |_| {});
-        return;
-    };
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        stale_ui(ui, state);
-        if ui.available_width() < TWO_COLUMNS {
-            alignment_ui(ui, state, report, commands);
-            replacements_ui(ui, report, commands);
+        let counts = |ui: &mut Ui| {
+            rules_ui(ui, report);
             ui.add_space(space::LARGE);
-            agreement_ui(ui, report, commands);
+            cameras_ui(ui, report);
+            memory_ui(ui, state, &order(report));
+        };
+        let pairs = |ui: &mut Ui| {
+            replacements_ui(ui, report);
+            ui.add_space(space::LARGE);
+            agreement_ui(ui, report);
+            ui.add_space(space::LARGE);
+        };
+        if ui.available_width() < TWO_COLUMNS {
+            counts(ui);
+            pairs(ui);
         } else {
             ui.columns(2, |columns| {
-                replacements_ui(&mut columns[0], report, commands);
-                alignment_ui(&mut columns[1], state, report, commands);
-                agreement_ui(&mut columns[1], report, commands);
+                counts(&mut columns[0]);
+                pairs(&mut columns[1]);
             });
         }
     });
 }
+
+/// Width from which on matrices stand beside the rest.
+const TWO_COLUMNS: f32 = 720.0;
 
 fn rule_words(rule: &str) -> (String, &'static str) {
     let (words, help) = match rule {
@@ -109,7 +91,7 @@ fn rule_words(rule: &str) -> (String, &'static str) {
     (words.to_owned(), help)
 }
 
-fn rules_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+fn rules_ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("What was dropped, and why");
     let account = report.pixel_account();
@@ -139,7 +121,6 @@ fn rules_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
     );
     let share = report.samples_kept as f32 / report.samples_in.max(1) as f32;
     share_ui(ui, "Kept", &kept, share, tokens.moving).on_hover_text("Samples that stay.");
-    table_ui(ui, Table::Pixels, commands);
 }
 
 /// How much darker the rim of a bar is.
@@ -151,27 +132,15 @@ const SHARE_BAR: f32 = 6.0;
 
 /// A name, a figure, and a bar of the share below them.
 pub(crate) fn share_ui(ui: &mut Ui, name: &str, figure: &str, share: f32, color: Color32) -> egui::Response {
-    tall_share_ui(ui, name, figure, share, color, SHARE_BAR)
-}
-
-/// That with a bar of a height.
-fn tall_share_ui(
-    ui: &mut Ui,
-    name: &str,
-    figure: &str,
-    share: f32,
-    color: Color32,
-    bar_height: f32,
-) -> egui::Response {
     let tokens = Tokens::in_ui(ui);
-    let size = vec2(ui.available_width(), SHARE_ROW - SHARE_BAR + bar_height);
+    let size = vec2(ui.available_width(), SHARE_ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter();
     let font = egui::TextStyle::Body.resolve(ui.style());
     painter.text(rect.left_top(), egui::Align2::LEFT_TOP, name, font.clone(), tokens.text);
     painter.text(rect.right_top(), egui::Align2::RIGHT_TOP, figure, font, tokens.text_weak);
     let rail = Rect::from_min_max(
-        egui::pos2(rect.left(), rect.bottom() - 2.0 - bar_height),
+        egui::pos2(rect.left(), rect.bottom() - 2.0 - SHARE_BAR),
         rect.max - vec2(0.0, 2.0),
     );
     painter.rect_filled(rail, 2.0, tokens.raised);
@@ -205,11 +174,10 @@ fn measured(camera: &CameraReport) -> String {
 /// Height of a row of the table of cameras.
 const CAMERA_ROW: f32 = 20.0;
 
-fn cameras_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+fn cameras_ui(ui: &mut Ui, report: &Report) {
     ui.heading("Cameras");
-    table_ui(ui, Table::Cameras, commands);
     let kept = |index: usize| report.cameras[index].background_kept + report.cameras[index].foreground_kept;
-    let order = by_weight(report.cameras.len(), |index| kept(index) as f32);
+    let order = order(report);
     let frames = report.foreground_per_frame.len().max(1) as u64;
     let columns =
         [Column::remainder().clip(true), Column::initial(66.0), Column::initial(60.0), Column::initial(50.0)];
@@ -269,8 +237,6 @@ pub(crate) struct KeyFigure {
     pub value: String,
     pub note: String,
     help: String,
-    /// Whether it changes with the whole-capture settings, so that it can be out of date.
-    of_whole: bool,
 }
 
 /// The note on what is known of the frame that is shown, until the whole capture is pruned.
@@ -321,7 +287,6 @@ fn widths(ui: &Ui, figures: &[KeyFigure]) -> (Vec<f32>, f32) {
 
 fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
     let tokens = Tokens::in_ui(ui);
-    let stale = stale && figure.of_whole;
     ui.set_min_width(ui.available_width());
     ui.set_max_width(ui.available_width() - MARGIN);
     ui.spacing_mut().item_spacing = vec2(GAP, 1.0);
@@ -360,35 +325,30 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
     let of_frame = |value: String| [value, THIS_FRAME.to_owned()];
     let bytes_here = state.inspection_here().filter(|_| here.is_some()).map(|it| it.samples.bytes());
     let account = report.map(Report::pixel_account).or(here);
-    let figure = |name, of_whole, value_and_note: Option<[String; 2]>, help: &str| {
+    let before_edits = if state.doc.edits.list.is_idle() { "" } else { ", before edits" };
+    let figure = |name, value_and_note: Option<[String; 2]>, help: &str| {
         let [value, note] = value_and_note.unwrap_or_else(|| ["…".to_owned(), String::new()]);
         let first =
             if note == THIS_FRAME { "Of the frame that is shown, until all are pruned. " } else { "" };
-        KeyFigure { name, value, note, help: format!("{first}{help}"), of_whole }
+        KeyFigure { name, value, note, help: format!("{first}{help}") }
     };
     let memory_note = |report: &Report| match state.content() {
         Some(Content::Store { bytes, .. }) => format!("file {}", model::bytes(*bytes)),
+        _ if report.bytes_memory > report.bytes_raw => format!("raw {}", model::bytes(report.bytes_raw)),
         _ => format!("of {}", model::bytes(report.bytes_raw)),
     };
-    let seconds = report.map(|r| r.seconds).filter(|seconds| *seconds > 0.0);
-    let render = state.doc.live_shown.as_ref().map(|shown| {
-        let stats = &shown.picture.stats;
-        let pixels = shown.picture.size.iter().product::<usize>().max(1) as u64;
-        let covered = model::percent(pixels.saturating_sub(stats.holes), pixels);
-        [format!("{} ms", model::significant(stats.milliseconds)), format!("{covered} covered")]
-    });
     let mut figures = vec![
         figure(
             "Samples kept",
-            true,
             report
-                .map(|r| [model::count(r.samples_kept), format!("of {}", model::count(r.samples_in))])
+                .map(|r| {
+                    [model::count(r.samples_kept), format!("of {}{before_edits}", model::count(r.samples_in))]
+                })
                 .or(here.map(|account| of_frame(model::count(account.kept)))),
             "The samples kept, of all pixels of all frames of all cameras.",
         ),
         figure(
             "Dropped",
-            true,
             account.map(|account| {
                 let note = if report.is_some() { String::new() } else { THIS_FRAME.to_owned() };
                 [model::percent(account.not_kept(), account.pixels), note]
@@ -397,33 +357,25 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
         ),
         figure(
             "Memory",
-            true,
             report
                 .map(|r| [model::bytes(r.bytes_memory), memory_note(r)])
                 .or(bytes_here.map(|bytes| of_frame(model::bytes(bytes)))),
-            "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth; a saved store is smaller.",
+            "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth. A sample in memory has normals and its place as well, so that \
+             few dropped pixels can make it more; a saved store is smaller.",
         ),
     ];
     // What nobody can know here has no place.
     if state.doc.accuracy.is_some() || state.has_truth() {
         figures.push(accuracy_figure(state.doc.accuracy, figure));
     }
-    if state.has_capture() {
-        let help = "Seconds that pruning the whole capture took.";
-        let took = seconds.map(|pruned| format!("{help} {}.", model::took(state.doc.read_seconds, pruned)));
-        figures.push(figure(
-            "Pruning",
-            true,
-            seconds.map(|seconds| [format!("{} s", model::significant(seconds)), String::new()]),
-            took.as_deref().unwrap_or(help),
-        ));
+    let told = if state.is_stale() { Vec::new() } else { state.differences() };
+    for difference in told {
+        let figure = figures.iter_mut().find(|figure| figure.name == difference.name);
+        if let (Some(figure), Some(change)) = (figure, difference.change) {
+            figure.help += &format!(" {} before the last change of settings: {change}.", difference.before);
+            figure.note = change.split(" (").next().unwrap_or_default().to_owned();
+        }
     }
-    figures.push(figure(
-        "Live view",
-        false,
-        render,
-        "Milliseconds that rendering the live view took, and the share of it that samples reached.",
-    ));
     figures
 }
 
@@ -441,12 +393,12 @@ fn dropped_help(account: &PixelAccount) -> String {
 
 fn accuracy_figure(
     accuracy: Option<Accuracy>,
-    figure: impl Fn(&'static str, bool, Option<[String; 2]>, &str) -> KeyFigure,
+    figure: impl Fn(&'static str, Option<[String; 2]>, &str) -> KeyFigure,
 ) -> KeyFigure {
     let Some(accuracy) = accuracy else {
         let help = "Accuracy is measured at the viewpoints whose true picture is known, once the scene is pruned and rests: not while it \
                     plays, nor after Esc.";
-        return figure("Accuracy", true, None, help);
+        return figure("Accuracy", None, help);
     };
     let Accuracy { psnr_db, unpruned_psnr_db, views } = accuracy;
     let help = format!(
@@ -455,67 +407,27 @@ fn accuracy_figure(
         counted(views, "viewpoint")
     );
     let change = format!("{:+.2} dB vs unpruned", psnr_db - unpruned_psnr_db);
-    figure("Accuracy", true, Some([format!("{psnr_db:.1} dB"), change]), &help)
+    figure("Accuracy", Some([format!("{psnr_db:.1} dB"), change]), &help)
 }
 
-pub(crate) fn memory_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let (Some(scene), Some(cameras)) = (&state.doc.scene, &state.doc.memory) else {
-        let (title, text) = if state.doc.scene.is_none() || state.has_capture() {
-            ("No samples yet", "What the kept samples take is known once the whole capture is pruned.")
-        } else {
-            (
-                "A store plays from disk",
-                "Only the samples around the frame shown are in memory; what all of them would take is the figure at the top.",
-            )
-        };
-        empty_ui(ui, ICON_MEMORY, title, text, |_| {});
-        return;
-    };
+/// What the samples of each camera take, where they are in memory: a store plays from disk.
+fn memory_ui(ui: &mut Ui, state: &State, order: &[usize]) {
+    let (Some(scene), Some(cameras)) = (&state.doc.scene, &state.doc.memory) else { return };
     let bytes = |camera: &CameraMemory| camera.lasting_bytes + camera.frame_bytes;
     let total: u64 = cameras.iter().map(bytes).sum();
-    let words = format!("{} of samples in memory, by camera.", model::bytes(total));
-    ui.horizontal_wrapped(|ui| {
-        note(ui, words);
-        table_buttons_ui(ui, Table::Memory, commands);
-    });
-    stale_ui(ui, state);
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        let mut order: Vec<usize> = (0..cameras.len().min(scene.cameras.len())).collect();
-        order.sort_by_key(|index| std::cmp::Reverse(bytes(&cameras[*index])));
-        let height = bar_height(ui.clip_rect().height(), order.len(), ui.spacing().item_spacing.y);
-        for index in order {
-            let (memory, camera) = (&cameras[index], &scene.cameras[index]);
-            let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
-            let share = bytes(memory) as f32 / total.max(1) as f32;
-            let color = camera_cues::color(index);
-            tall_share_ui(ui, &camera.name, &figure, share, color, height).on_hover_text(format!(
-                "{}. Stored for several frames: {}, for one: {}.",
-                model::count_of(memory.samples, "sample"),
-                model::bytes(memory.lasting_bytes),
-                model::bytes(memory.frame_bytes)
-            ));
-        }
-    });
-}
-
-/// Heights of a bar: as elsewhere, and at most, where few cameras have much room.
-const HEIGHTS: std::ops::RangeInclusive<f32> = SHARE_BAR..=36.0;
-
-/// Height of bars at which all rows fit into a height, if any.
-fn bar_height(height: f32, rows: usize, gap: f32) -> f32 {
-    let row = height / rows.max(1) as f32 - gap;
-    (row - (SHARE_ROW - SHARE_BAR)).clamp(*HEIGHTS.start(), *HEIGHTS.end())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bars_grow_while_all_rows_fit() {
-        assert_eq!(bar_height(200.0, 20, 4.0), SHARE_BAR);
-        let grown = bar_height(400.0, 10, 4.0);
-        assert!(grown > SHARE_BAR && 10.0 * (SHARE_ROW - SHARE_BAR + grown + 4.0) <= 400.0, "{grown}");
-        assert_eq!(bar_height(2000.0, 3, 4.0), 36.0);
+    ui.add_space(space::LARGE);
+    ui.heading("Memory");
+    note(ui, format!("{} of samples in memory, by camera.", model::bytes(total)));
+    for &index in order {
+        let Some((memory, camera)) = cameras.get(index).zip(scene.cameras.get(index)) else { continue };
+        let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
+        let share = bytes(memory) as f32 / total.max(1) as f32;
+        share_ui(ui, &camera.name, &figure, share, camera_cues::color(index)).on_hover_text(format!(
+            "{}. Stored for several frames: {}, for one: {}.",
+            model::count_of(memory.samples, "sample"),
+            model::bytes(memory.lasting_bytes),
+            model::bytes(memory.frame_bytes)
+        ));
     }
+    ui.add_space(space::LARGE);
 }

@@ -1,31 +1,28 @@
 //! Which camera's samples replace whose, and how well cameras agree on positions: a wrong pose shows on static surfaces, a wrong clock
 //! on moving ones, noise on both.
 
+use std::f32::consts::FRAC_PI_2;
+
+use egui::epaint::TextShape;
 use egui::{Align2, Color32, FontId, Painter, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
 use crate::app::camera_cues;
 use crate::app::colormap::sequential;
-use crate::app::model::purpose::Table;
-use crate::app::model::{self, Commands};
+use crate::app::model;
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{note, table_ui, weak};
+use crate::app::widgets::{note, weak};
 use overlook_engine::plural::counted;
-use overlook_engine::preprocess::diagnostics::{PairResiduals, Report, Residual};
+use overlook_engine::preprocess::diagnostics::{CameraReport, PairResiduals, Report, Residual};
 
 /// The matrix of replaced samples.
-pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report) {
     ui.heading("Which camera replaces which");
     weak(ui, "Rows lose samples, columns keep the ones that replace them.");
-    table_ui(ui, Table::Replacements, commands);
     left_out_ui(ui, report);
     let most = report.witnesses.iter().map(|(.., count)| *count).max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    let kept_for = |winner: usize| {
-        let counts = (0..names.len()).filter_map(|loser| report.witnesses.get(loser, winner));
-        counts.map(|count| *count as f32).sum::<f32>()
-    };
-    let order = by_weight(names.len(), kept_for);
+    let order = order(report);
     pairs_ui(ui, "replacements", &names, &order, |loser, winner| {
         let count = *report.witnesses.get(loser, winner)?;
         Some(PairCell {
@@ -61,7 +58,7 @@ const ABOVE_MEAN: f32 = 3.0;
 const LEAST_FOOTPRINTS: f32 = 0.05;
 
 /// Both matrices, and notes on cameras that do not fit.
-pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report, commands: &mut Commands) {
+pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report) {
     let tokens = Tokens::in_ui(ui);
     ui.heading("How well cameras agree");
     let help = "How far samples of the row's camera lie off what the column's camera saw there, in pixel footprints. Where all of one camera's pairs are light, that camera is wrong.";
@@ -78,7 +75,6 @@ pub(crate) fn agreement_ui(ui: &mut Ui, report: &Report, commands: &mut Commands
         };
         weak(ui, words).on_hover_text(help);
     }
-    table_ui(ui, Table::Agreement, commands);
     let title = "What never moves, 85 % within (a pose error shows here)";
     residuals_ui(ui, report, title, |pair| pair.lasting, |residual| residual.most_footprints);
     ui.add_space(space::SMALL);
@@ -107,10 +103,7 @@ fn residuals_ui(
         let end = format!("{} footprints or more", model::significant(f64::from(lightest)));
         bar(ui, "0", &end, 90.0, sequential);
     });
-    let order = by_weight(names.len(), |camera| {
-        (0..names.len()).filter_map(|other| value(camera, other)).fold(0.0, f32::max)
-    });
-    pairs_ui(ui, title, &names, &order, |row, column| {
+    pairs_ui(ui, title, &names, &order(report), |row, column| {
         let residual = of(report.residuals.get(row, column)?)?;
         let Residual { samples, median_footprints, most_footprints, median_color_steps } = residual;
         Some(PairCell {
@@ -138,7 +131,7 @@ pub(crate) struct PairCell {
 }
 
 const NAME_WIDTH: f32 = 78.0;
-const HEADER_HEIGHT: f32 = 18.0;
+const HEADER_HEIGHT: f32 = 76.0;
 
 /// Sides of a cell, points: from where its pairs can be told apart to where its number has room.
 const CELL: std::ops::RangeInclusive<f32> = 9.0..=44.0;
@@ -152,30 +145,23 @@ const TALLEST: f32 = 460.0;
 /// Height of a tall view that is left for what stands above and below the square.
 const AROUND: f32 = 110.0;
 
-/// How many times as large as usual cells become at most, where there is room for it.
-const GROWN: f32 = 4.0;
-
 /// Cameras up to which the square keeps the capture's order.
 const FEW: usize = 8;
 
-/// Cameras in the order of the square: that of the capture while they are few, else by what matters, most first.
-pub(crate) fn by_weight(cameras: usize, weight: impl Fn(usize) -> f32) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..cameras).collect();
-    if cameras > FEW {
-        let weights: Vec<f32> = order.iter().map(|camera| weight(*camera)).collect();
-        order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
+/// Cameras in the one order of all tables and matrices: that of the capture while they are few, else by what is kept of them, most first.
+pub(crate) fn order(report: &Report) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..report.cameras.len()).collect();
+    if report.cameras.len() > FEW {
+        let kept = |camera: &CameraReport| camera.background_kept + camera.foreground_kept;
+        order.sort_by_key(|index| std::cmp::Reverse(kept(&report.cameras[*index])));
     }
     order
 }
 
-/// Size of a cell, and how many times as large as usual the square is drawn, in so much room.
-fn cell_size(room: egui::Vec2, cameras: usize) -> (egui::Vec2, f32) {
-    let cameras = cameras as f32;
-    let width = (room.x - NAME_WIDTH) / cameras;
-    let usual = vec2(width.clamp(*CELL.start(), *CELL.end()), width.clamp(12.0, ROW));
-    let whole = vec2(NAME_WIDTH + CELL.end() * cameras, HEADER_HEIGHT + ROW * cameras);
-    let grown = (room / whole).min_elem().clamp(1.0, GROWN);
-    (usual * grown, grown)
+/// Size of a cell in so much width.
+fn cell_size(width: f32, cameras: usize) -> egui::Vec2 {
+    let width = (width - NAME_WIDTH) / cameras as f32;
+    vec2(width.clamp(*CELL.start(), *CELL.end()), width.clamp(12.0, ROW))
 }
 
 /// The cells of all pairs of cameras, `order` being their indices; `cell` is given those of row and column.
@@ -192,15 +178,15 @@ pub(crate) fn pairs_ui(
     }
     // What is in view: the view itself is scrolled, and has no end.
     let tallest = (ui.clip_rect().height() - AROUND).max(TALLEST);
-    let (step, grown) = cell_size(vec2(ui.available_width(), ui.clip_rect().height() - AROUND), cameras);
-    let corner = vec2(NAME_WIDTH, HEADER_HEIGHT) * vec2(grown, 1.0);
+    let step = cell_size(ui.available_width(), cameras);
+    let corner = vec2(NAME_WIDTH, HEADER_HEIGHT);
     let size = corner + step * cameras as f32;
     let scroll = ScrollArea::both().id_salt(id).max_height(tallest).auto_shrink([false, true]);
     scroll.show_viewport(ui, |ui, viewport| {
         let (area, response) = ui.allocate_exact_size(size, Sense::hover());
         let seen = Rect::from_min_size(area.min + viewport.min.to_vec2(), viewport.size()).intersect(area);
         let cells = Rect::from_min_max(seen.min + corner, seen.max);
-        let grid = PairGrid { names, order, corner: area.min + corner, cell: step, grown };
+        let grid = PairGrid { names, order, corner: area.min + corner, cell: step };
         let painter = ui.painter().with_clip_rect(cells.intersect(ui.clip_rect()));
         for row in grid.rows(cells) {
             for column in grid.columns(cells) {
@@ -232,8 +218,6 @@ struct PairGrid<'a> {
     /// Corner of the first cell.
     corner: egui::Pos2,
     cell: egui::Vec2,
-    /// How many times as large as usual it is drawn.
-    grown: f32,
 }
 
 impl PairGrid<'_> {
@@ -259,12 +243,12 @@ impl PairGrid<'_> {
         if let (Some(cell), Some(strength)) = (cell, strength.filter(|_| self.cell.x >= 40.0)) {
             // The map passes mid gray at about half its range: black reads on what is lighter, white on the rest.
             let color = if strength > 0.55 { Color32::BLACK } else { Color32::WHITE };
-            let font = FontId::proportional((10.0 * self.grown).min(16.0));
+            let font = FontId::proportional(10.0);
             painter.text(rect.center(), Align2::CENTER_CENTER, cell.text, font, color);
         }
     }
 
-    /// Names at the left end and signs above, of what is in view.
+    /// Names at the left end and above, of what is in view.
     fn names_ui(&self, ui: &Ui, seen: Rect, cells: Rect) {
         let tokens = Tokens::in_ui(ui);
         let font = egui::TextStyle::Small.resolve(ui.style());
@@ -274,15 +258,21 @@ impl PairGrid<'_> {
             let camera = self.order[row];
             let at = pos2(seen.left(), self.corner.y + self.cell.y * (row as f32 + 0.5));
             camera_cues::sign(&painter, Rect::from_center_size(at + vec2(5.0, 0.0), vec2(9.0, 9.0)), camera);
-            let name = short(self.names.get(camera).unwrap_or(&""), (11.0 * self.grown) as usize);
+            let name = short(self.names.get(camera).unwrap_or(&""), 11);
             painter.text(at + vec2(14.0, 0.0), Align2::LEFT_CENTER, name, font.clone(), tokens.text);
         }
         let top = Rect::from_min_max(pos2(cells.left(), seen.top()), pos2(seen.right(), cells.top()));
         let painter = ui.painter().with_clip_rect(top.intersect(ui.clip_rect()));
         for column in self.columns(cells) {
-            let at = pos2(self.corner.x + self.cell.x * (column as f32 + 0.5), seen.top() + 8.0);
+            let at = pos2(self.corner.x + self.cell.x * (column as f32 + 0.5), cells.top() - 8.0);
             let side = vec2(9.0, 9.0).min(egui::Vec2::splat(self.cell.x - 1.0));
-            camera_cues::sign(&painter, Rect::from_center_size(at, side), self.order[column]);
+            let camera = self.order[column];
+            camera_cues::sign(&painter, Rect::from_center_size(at, side), camera);
+            // Names go up from their columns.
+            let name = short(self.names.get(camera).unwrap_or(&""), 11);
+            let name = painter.layout_no_wrap(name, font.clone(), tokens.text);
+            let corner = at + vec2(-0.5 * name.size().y, -8.0);
+            painter.add(TextShape::new(corner, name, tokens.text).with_angle(-FRAC_PI_2));
         }
     }
 }
@@ -302,29 +292,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn few_cameras_keep_their_order_and_many_are_sorted_by_what_matters() {
-        let weight = |camera: usize| camera as f32;
-        assert_eq!(by_weight(3, weight), [0, 1, 2]);
-        assert_eq!(by_weight(10, weight), [9, 8, 7, 6, 5, 4, 3, 2, 1, 0]);
-    }
-
-    #[test]
-    fn a_square_grows_with_the_room_for_all_of_it_and_never_shrinks_below_its_usual_size() {
-        let usual = cell_size(vec2(298.0, 500.0), 5);
-        assert_eq!(usual, (vec2(44.0, 24.0), 1.0));
-        assert_eq!(cell_size(vec2(2000.0, 100.0), 5), usual, "a low view has no room for more");
-        let (cell, grown) = cell_size(vec2(900.0, 420.0), 5);
-        assert!(grown > 2.0 && cell == vec2(44.0, 24.0) * grown, "{cell} {grown}");
-        assert!(NAME_WIDTH * grown + cell.x * 5.0 <= 900.0 && HEADER_HEIGHT + cell.y * 5.0 <= 420.0);
-        assert_eq!(cell_size(vec2(9000.0, 9000.0), 2).1, GROWN);
-        assert_eq!(cell_size(vec2(900.0, 900.0), 300), (vec2(9.0, 12.0), 1.0));
+    fn few_cameras_keep_their_order_and_many_are_sorted_by_what_is_kept() {
+        let kept = |background_kept| CameraReport { background_kept, ..CameraReport::default() };
+        let order =
+            |cameras| order(&Report { cameras: (0..cameras).map(kept).collect(), ..Report::default() });
+        assert_eq!(order(3), [0, 1, 2]);
+        assert_eq!(order(10), [9, 8, 7, 6, 5, 4, 3, 2, 1, 0]);
     }
 
     #[test]
     fn of_a_large_square_only_what_is_in_view_is_drawn() {
         let order: Vec<usize> = (0..300).collect();
         let (corner, cell) = (pos2(0.0, 0.0), vec2(10.0, 12.0));
-        let grid = PairGrid { names: &[], order: &order, corner, cell, grown: 1.0 };
+        let grid = PairGrid { names: &[], order: &order, corner, cell };
         let seen = Rect::from_min_size(pos2(100.0, 240.0), vec2(200.0, 120.0));
         assert_eq!((grid.columns(seen), grid.rows(seen)), (10..30, 20..30));
         let beyond = Rect::from_min_size(pos2(2900.0, 3500.0), vec2(400.0, 400.0));

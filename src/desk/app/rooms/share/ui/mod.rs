@@ -3,9 +3,9 @@
 mod options;
 
 use egui::{Align, Button, Frame, Id, Label, Layout, Modal, ProgressBar, RichText, Ui, Vec2};
-use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN, ICON_LINK};
+use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN};
 
-use crate::app::model::command::{FileCommand, ViewCommand};
+use crate::app::model::command::FileCommand;
 use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{self, Busy, Command, Commands, State, WorkKind};
 use crate::app::rooms::files::paths::what_is_missing;
@@ -20,7 +20,7 @@ const WIDTH: f32 = 760.0;
 const LIST: f32 = 262.0;
 
 /// Height of what is beside the list, so that nothing moves when another way is chosen.
-const HEIGHT: f32 = 330.0;
+const HEIGHT: f32 = 372.0;
 
 /// Height of a way in the list.
 const ROW: f32 = 34.0;
@@ -42,9 +42,11 @@ pub(crate) fn share_ui(ctx: &egui::Context, state: &State, commands: &mut Comman
             ui.vertical(|ui| ways_ui(ui, state, &mut options));
             ui.vertical(|ui| {
                 ui.set_width(ui.available_width());
-                ui.set_min_height(HEIGHT);
+                ui.set_height(HEIGHT);
                 ui.spacing_mut().item_spacing.x = space::MEDIUM;
-                way_ui(ui, state, &mut options, commands);
+                egui::ScrollArea::vertical()
+                    .auto_shrink(false)
+                    .show(ui, |ui| way_ui(ui, state, &mut options, commands));
             });
         });
         ui.add_space(space::SMALL);
@@ -54,24 +56,16 @@ pub(crate) fn share_ui(ctx: &egui::Context, state: &State, commands: &mut Comman
     if options != share.options {
         commands.push(Command::Share(ShareCommand::Change(Box::new(options))));
     }
-    if modal.should_close() {
+    // A click beside it is no answer: what is typed next would act on the window.
+    if modal.should_close() && !modal.backdrop_response.clicked() {
         commands.push(Command::Share(ShareCommand::Close));
     }
 }
 
 fn footer_ui(ui: &mut Ui, commands: &mut Commands) {
-    ui.horizontal(|ui| {
-        let copy = ui.button((ICON_LINK.rich_text(), "Copy the address of this view"));
-        let copy = copy.accessible_name("Copy the address of this view from here");
-        if copy.on_hover_text("For whoever has the scene or its page (Ctrl+L).").clicked() {
-            commands.push(Command::View(ViewCommand::CopyAddress));
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.button("Close").accessible_name("Close sharing").clicked() {
-                commands.push(Command::Share(ShareCommand::Close));
-            }
-        });
-    });
+    if ui.button("Close").accessible_name("Close sharing").clicked() {
+        commands.push(Command::Share(ShareCommand::Close));
+    }
 }
 
 /// Every way with its size.
@@ -102,6 +96,9 @@ fn way_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Comm
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(model::sentence(&size.text)).strong());
         weak(ui, size.reason);
+        if !state.doc.edits.list.is_idle() {
+            weak(ui, "Before edits, which what is written has.");
+        }
     });
     preview_ui(ui, state);
     ui.add_space(space::SMALL);
@@ -211,10 +208,6 @@ fn make_ui(ui: &mut Ui, state: &State, options: &Options, commands: &mut Command
             }
             if make.clicked() {
                 commands.push(Command::File(FileCommand::AskPath(purpose)));
-            }
-            let help = "Type the path in place of choosing it.";
-            if ui.button("To path…").on_hover_text(help).clicked() {
-                commands.push(Command::File(FileCommand::TypePath(purpose)));
             }
         });
     });

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use egui::Color32;
 
 use crate::app::camera_cues;
-use crate::app::colormap::{diverging, sequential};
+use crate::app::colormap::{dimmed, diverging, sequential};
 use crate::app::model::percent;
 use crate::app::model::picture::{
     ColorBy, HoleDisplay, Legend, LiveKey, Overlay, RATIO_RANGE, VIEW_DEPENDENCE_RANGE, ranked,
 };
 use crate::app::rooms::compare::state::{CLASSES, CompareMeasure, ComparisonFigure, ShownSides};
+use crate::app::rooms::source::work::{UNKNOWN, empty_tiles};
 use crate::app::theme::Tokens;
 use crate::ways_out::figure::Unit;
 use overlook_engine::capture::Camera;
@@ -64,12 +65,14 @@ pub(crate) fn of_source(
                 color_bar: Some(bar([&end("far", *far), "", &end("near", *near)], sequential)),
             }
         }
-        Legend::Ratio => {
-            Meaning { legend: Vec::new(), color_bar: Some(ratio("this camera denser", "other denser")) }
-        }
-        Legend::Tiles(_) => {
-            Meaning { legend: Vec::new(), color_bar: Some(bar(["all pruned", "", "all kept"], sequential)) }
-        }
+        Legend::Ratio { unknown } => Meaning {
+            legend: unknown_entry(f64::from(*unknown)),
+            color_bar: Some(ratio("this camera denser", "other denser")),
+        },
+        Legend::Tiles(shares) => Meaning {
+            legend: vec![entry(dimmed(Color32::GRAY, UNKNOWN), empty_tiles(shares))],
+            color_bar: Some(bar(["few kept", "", "all kept"], sequential)),
+        },
         Legend::Split { background, lasting, foreground, invalid } => {
             let total = background + lasting + foreground + invalid;
             shares(spans(tokens), [*background, *lasting, *foreground], *invalid, total)
@@ -80,13 +83,10 @@ pub(crate) fn of_source(
         }
         Legend::ViewDependence { visible, alike, unknown } => {
             let total = visible + alike + unknown;
-            let shares = format!(
-                "Differs noticeably: {}; seen by one camera, dimmed: {}.",
-                percent(*visible, total),
-                percent(*unknown, total)
-            );
+            let mut legend = vec![words(&format!("Differs noticeably: {}.", percent(*visible, total)))];
+            legend.extend(unknown_entry(*unknown as f64 / total.max(1) as f64));
             let high = format!("{VIEW_DEPENDENCE_RANGE:.0} of 255");
-            Meaning { legend: vec![words(&shares)], color_bar: Some(bar(["0", "", &high], sequential)) }
+            Meaning { legend, color_bar: Some(bar(["0", "", &high], sequential)) }
         }
         Legend::Winners { kept, lost_to, dropped, invalid } => {
             let total = kept + dropped + invalid + lost_to.iter().sum::<u64>();
@@ -111,8 +111,29 @@ pub(crate) fn of_source(
     }
 }
 
-/// What the colors of a picture of the live view mean.
-pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
+/// What the colors of a picture of the live view mean; `background` of its holes show what cameras saw at infinity.
+pub(crate) fn of_live(key: &LiveKey, rendered: &Picture, background: u64) -> Meaning {
+    let mut meaning = of_samples(key, rendered);
+    if !matches!(key.color_by, ColorBy::Picture | ColorBy::Value) {
+        let total = rendered.image.len() as u64;
+        let holes = rendered.image.as_slice().iter().filter(|image| **image == NO_IMAGE).count() as u64;
+        let unseen = holes.saturating_sub(background);
+        let tokens = Tokens::of(key.dark);
+        let (name, color) = match key.holes {
+            HoleDisplay::Hatched => ("no sample", tokens.hole_stripe),
+            _ => ("filled (invented)", Color32::GRAY),
+        };
+        for (name, pixels) in [(name, unseen), ("background", background)] {
+            if pixels > 0 {
+                meaning.legend.push(entry(color, format!("{name} {}", percent(pixels, total))));
+            }
+        }
+    }
+    meaning
+}
+
+/// That of the samples in it.
+fn of_samples(key: &LiveKey, rendered: &Picture) -> Meaning {
     let tokens = Tokens::of(key.dark);
     match key.color_by {
         ColorBy::Picture if key.holes == HoleDisplay::Dimmed && has_fills(rendered) => {
@@ -143,8 +164,12 @@ pub(crate) fn of_live(key: &LiveKey, rendered: &Picture) -> Meaning {
             let found = key.display.values.channel_of(&key.samples.values);
             let colored =
                 found.and_then(|(_, channel)| Some((channel, key.display.values.colors(channel).ok()?)));
+            let missing = colored.as_ref().map(|(_, colors)| LegendEntry {
+                color: Some(colors.color(f32::NAN)),
+                name: "no value".to_owned(),
+            });
             let bar_of = colored.map(|(channel, colors)| ColorBar::of_values(channel, &colors));
-            Meaning { legend: Vec::new(), color_bar: bar_of }
+            Meaning { legend: missing.into_iter().collect(), color_bar: bar_of }
         }
         ColorBy::SamplingRate => {
             Meaning { legend: Vec::new(), color_bar: Some(ratio("denser than pixels", "coarser")) }
@@ -212,6 +237,12 @@ fn bar(ends: [&str; 3], color: impl Fn(f32) -> Color32) -> ColorBar {
     let colors = (0..STEPS).map(|step| rgb(color((step as f32 + 0.5) / STEPS as f32)));
     let ticks = [0.0, 0.5, 1.0].into_iter().zip(ends.map(str::to_owned));
     ColorBar { title: String::new(), colors: colors.collect(), ticks: ticks.collect() }
+}
+
+/// The dimmed picture of what one camera alone shows, where there is any; its share is 0 to 1.
+fn unknown_entry(share: f64) -> Vec<LegendEntry> {
+    let there = (share > 0.0).then(|| format!("seen by one camera {:.1} %", 100.0 * share));
+    there.map(|name| entry(dimmed(Color32::GRAY, UNKNOWN), name)).into_iter().collect()
 }
 
 fn entry(color: Color32, name: String) -> LegendEntry {

@@ -100,7 +100,7 @@ pub(crate) fn of_live_view(key: &LiveKey, options: &FigureOptions, job: &Job) ->
             "the picture is out of reach; try again once the view rests",
         ));
     };
-    let meaning = of_live(key, rendered);
+    let meaning = of_live(key, rendered, painted.sky_holes);
     let scale = scale_bar(&key.vantage.camera.intrinsics, &rendered.inverse_depth, options.unit);
     Ok(put_together(opaque(image), meaning, Some(scale), options))
 }

@@ -2,13 +2,14 @@
 
 use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
-use crate::app::colormap::{diverging, sequential};
+use crate::app::colormap::{dimmed, diverging, sequential};
 use crate::app::model::command::SourceCommand;
 use crate::app::model::look::titled_value;
 use crate::app::model::picture::{
     ColorBy, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
 };
 use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::source::work::{UNKNOWN, empty_tiles};
 use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
 use crate::app::{camera_cues, model};
@@ -51,8 +52,14 @@ pub(crate) fn source_legend_ui(
                 swatch_ui(ui, tokens.invalid, &format!("no depth {:.1} %", 100.0 * without));
             }
         }
-        Legend::Ratio => ratio_ui(ui, "this camera denser", "other denser"),
-        Legend::Tiles(_) => bar_ui(ui, "all pruned", "all kept", sequential),
+        Legend::Ratio { unknown } => {
+            ratio_ui(ui, "this camera denser", "other denser");
+            unknown_ui(ui, f64::from(*unknown), "No other camera shows the point.");
+        }
+        Legend::Tiles(shares) => {
+            swatch_ui(ui, dimmed(Color32::GRAY, UNKNOWN), &empty_tiles(shares));
+            bar_ui(ui, "few kept", "all kept", sequential);
+        }
         Legend::Split { background, lasting, foreground, invalid } => {
             let total = background + lasting + foreground + invalid;
             let counts = [*background, *lasting, *foreground];
@@ -95,9 +102,16 @@ fn view_dependence_ui(ui: &mut Ui, visible: u64, unknown: u64, total: u64) {
     ui.label(RichText::new(differs).small()).on_hover_text(format!(
         "Differs by {VISIBLE_STEPS:.0} or more of 255 steps: the eye sees two colors.",
     ));
-    let unknown = format!("seen once {}", model::percent(unknown, total));
-    ui.label(RichText::new(unknown).small())
-        .on_hover_text("No other camera shows the point about as finely; shown dimmed.");
+    let share = unknown as f64 / total.max(1) as f64;
+    unknown_ui(ui, share, "No other camera shows the point about as finely.");
+}
+
+/// The dimmed picture of what one camera alone shows, where there is any, with its share, 0 to 1.
+fn unknown_ui(ui: &mut Ui, share: f64, help: &str) {
+    if share > 0.0 {
+        let name = format!("seen once {:.1} %", 100.0 * share);
+        swatch_ui(ui, dimmed(Color32::GRAY, UNKNOWN), &name).on_hover_text(help);
+    }
 }
 
 /// The gray of pixels without depth, where there are any, with their share.
@@ -251,10 +265,12 @@ fn value_ui(ui: &mut Ui, state: &State) {
     };
     let [low, high] = colors.range().map(|end| model::significant(f64::from(end)));
     let low = format!("{} {low}", titled_value(channel));
-    bar_ui(ui, &low, &high, |share| {
-        let [r, g, b] = colors.color(colors.value_at(share));
+    let color = |value: f32| {
+        let [r, g, b] = colors.color(value);
         Color32::from_rgb(r, g, b)
-    });
+    };
+    bar_ui(ui, &low, &high, |share| color(colors.value_at(share)));
+    swatch_ui(ui, color(f32::NAN), "no value");
 }
 
 /// What pixels are that no sample reached, and their share of the picture.
@@ -282,8 +298,8 @@ fn holes_ui(ui: &mut Ui, state: &State) {
                 "No sample reached these pixels. Their colors are continued from the background; H shows them.",
             );
             if let Some([_, sky]) = shares.as_ref().filter(|[_, sky]| !sky.starts_with("0.0 ")) {
-                ui.label(RichText::new(format!("sky {sky}")).small()).on_hover_text(
-                    "No sample reached these pixels either: they show the sky in that direction, as cameras saw it, or continued from there.",
+                ui.label(RichText::new(format!("background {sky}")).small()).on_hover_text(
+                    "No sample reached these pixels either: they show what cameras saw infinitely far in that direction.",
                 );
             }
         }

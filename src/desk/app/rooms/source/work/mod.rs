@@ -9,7 +9,7 @@ use crate::app::colormap::{agreeing, dimmed, diverging, mix, recorded, sequentia
 use crate::app::model::picture::{
     Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
 };
-use crate::app::model::{Message, OpenScene, Same, State};
+use crate::app::model::{Message, OpenScene, Same, State, percent};
 use crate::app::theme::Tokens;
 use crate::app::work::develop::{background_at, displayed, histogram_of};
 use crate::app::work::worker::Wanted;
@@ -78,7 +78,7 @@ pub(crate) fn source_picture(key: &SourceKey, frame: &Frame) -> SourcePicture {
     let (pixels, legend) = match (key.overlay, verdicts) {
         (Overlay::Depth, _) => depth(frame, tokens),
         (Overlay::Normals, Some(camera)) => (normals(&camera.normal_in_world, tokens), Legend::Plain),
-        (Overlay::SamplingRatio, Some(_)) => (sampling_ratio(key, &picture), Legend::Ratio),
+        (Overlay::SamplingRatio, Some(_)) => sampling_ratio(key, &picture),
         (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens, key.isolated),
         (Overlay::Agreement, Some(_)) => agreement(key, &picture, tokens),
         (Overlay::ViewDependence, Some(_)) => view_dependence(key, &picture),
@@ -289,14 +289,25 @@ fn tiles(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, 
     (pixels, Legend::Tiles(shares))
 }
 
+/// What is said of the tiles that show the dark picture.
+pub(crate) fn empty_tiles(shares: &Grid<f32>) -> String {
+    let empty = shares.as_slice().iter().filter(|share| **share == 0.0).count();
+    format!("empty {}", percent(empty as u64, shares.len() as u64))
+}
+
+/// Brightness of pixels that no other camera shows.
+pub(crate) const UNKNOWN: f32 = 0.35;
+
 /// The sampling ratio against another camera, or the best of them; dimmed if no other camera shows the point.
-pub(crate) fn sampling_ratio(key: &SourceKey, picture: &Grid<Color32>) -> Grid<Color32> {
-    let Some(inspection) = &key.inspection else { return picture.clone() };
+pub(crate) fn sampling_ratio(key: &SourceKey, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
+    let Some(inspection) = &key.inspection else { return (picture.clone(), Legend::Plain) };
     let ratio = inspection.log2_sampling_ratio(key.camera, key.against);
-    Grid::from_fn(picture.width(), picture.height(), |x, y| {
+    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
         let value = ratio[(x, y)];
-        if value.is_nan() { dimmed(picture[(x, y)], 0.35) } else { diverging(value / RATIO_RANGE) }
-    })
+        if value.is_nan() { dimmed(picture[(x, y)], UNKNOWN) } else { diverging(value / RATIO_RANGE) }
+    });
+    let unknown = ratio.as_slice().iter().filter(|value| value.is_nan()).count();
+    (pixels, Legend::Ratio { unknown: unknown as f32 / ratio.len().max(1) as f32 })
 }
 
 /// By how much colors differ from those of other cameras; dimmed where none shows the point.
@@ -305,7 +316,7 @@ pub(crate) fn view_dependence(key: &SourceKey, picture: &Grid<Color32>) -> (Grid
     let found = inspection.view_dependence(key.camera);
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
         let steps = found[(x, y)];
-        let of_camera = dimmed(picture[(x, y)], 0.35);
+        let of_camera = dimmed(picture[(x, y)], UNKNOWN);
         if steps.is_nan() { of_camera } else { sequential(steps / VIEW_DEPENDENCE_RANGE) }
     });
     let count =
