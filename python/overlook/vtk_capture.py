@@ -16,7 +16,8 @@ is `from vtk_capture import record`, and `python vtk_capture.py`, there. Written
 Color is linear, with the window's own multisampling. Depth and normals are drawn in a pass of their own without it: they are those at
 each pixel's center. So are `values`, the numbers of arrays of what is drawn. Lights that follow the camera would color a surface otherwise from each camera: while recording, lights that stand in
 the scene take their place (`lights="as_set"` keeps them). Left out is what turns with the camera or lies on the picture: texts, scalar
-bars, axes. What is translucent and volumes have no depth of their own: their color counts as that of what is behind them.
+bars, axes. What is translucent and volumes have no depth of their own: their color counts as that of what is behind them. A surface that
+scalars make translucent in part, as `nan_opacity=0` does, has depth where it is opaque.
 
 Recording may be stopped and started again: pictures that are there are kept, and the manifest is written when all are.
 """
@@ -58,6 +59,7 @@ MOST_PARTS = (1 << 24) - 1
 """As many numbers as colors of three bytes tell apart; black is none."""
 RADIUS, COLOR = "radius of spheres", "color of spheres"
 BLACK = "//VTK::Picking::Impl\n  gl_FragData[0] = vec4(0.0, 0.0, 0.0, 1.0);\n"
+OPAQUE_ALONE = "//VTK::Picking::Impl\n  if (gl_FragData[0].a < 0.999) { discard; }\n"
 
 
 # Directions and intensities along the axes of an icosahedron: mostly from above and one side. No surface gets more than 1 in sum.
@@ -298,6 +300,36 @@ def has_normals(actor):
     return True
 
 
+def is_opaque_in_part(actor):
+    """Whether nothing but the colors of its scalars makes an actor translucent: where these are opaque, as all but what is not a number
+    with `nan_opacity=0`, it is a surface like any other."""
+    mapper = actor.GetMapper()
+    is_plain = actor.GetProperty().GetOpacity() >= 1 and actor.GetTexture() is None and not actor.GetForceTranslucent()
+    return is_plain and mapper is not None and mapper.GetScalarVisibility()
+
+
+def alpha_of(mapper, data):
+    """How opaque a mapper's colors of scalars are, as bytes, of points or of cells; and whether of cells. None without scalars."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonCore import reference
+    from vtkmodules.vtkRenderingCore import vtkAbstractMapper
+
+    of_cells, ways = reference(0), ("ScalarMode", "ArrayAccessMode", "ArrayId", "ArrayName")
+    array = vtkAbstractMapper.GetScalars(data, *(getattr(mapper, f"Get{way}")() for way in ways), of_cells)
+    if array is None or not array.GetNumberOfTuples():
+        return None, False
+    colors = mapper.GetLookupTable().MapScalars(array, mapper.GetColorMode(), mapper.GetArrayComponent())
+    return vtk_to_numpy(colors)[:, -1], bool(of_cells.get())
+
+
+def is_seen_or_not(actor):
+    """Whether all of an actor that is opaque in part is either opaque or invisible."""
+    mapper = actor.GetMapper()
+    mapper.Update()
+    alpha = [alpha_of(mapper, block)[0] for block in blocks_of(mapper.GetInputDataObject(0, 0))]
+    return all(it is None or np.all((it == 0) | (it == 255)) for it in alpha)
+
+
 def turns_with_the_camera(prop):
     return any(part in prop.GetClassName() for part in TURNS_WITH_THE_CAMERA)
 
@@ -426,17 +458,23 @@ class Stage:
             hidden = [it for it in actors_of(renderer) if it.IsA("vtkSkybox")]
             volumes = renderer.GetVolumes()
             clear = [it for it in actors_of(renderer) if it.GetVisibility() and it.HasTranslucentPolygonalGeometry()]
+            partly = [it for it in clear if is_opaque_in_part(it)]
+            clear = [it for it in clear if it not in partly]
+            for actor in partly:
+                self.changed(stack, actor, "ForceOpaque", True)
             clear += [volumes.GetItemAsObject(index) for index in range(volumes.GetNumberOfItems())]
             if clear:
                 self.tell("volumes and what is translucent have no depth of their own: their color counts as that of what is behind them")
             for prop in hidden + clear:
                 self.changed(stack, prop, "Visibility", False)
-            for actor in actors_of(renderer) if with_normals else ():
-                # A surface without lighting would have no normal in its shader.
-                self.changed(stack, actor.GetProperty(), "Lighting", True)
-                shader, code = actor.GetShaderProperty(), NORMAL_AS_COLOR if has_normals(actor) else BLACK
-                shader.AddFragmentShaderReplacement("//VTK::Picking::Impl", True, code, False)
-                stack.callback(shader.ClearFragmentShaderReplacement, "//VTK::Picking::Impl", True)
+            for actor in actors_of(renderer) if with_normals else partly:
+                code = OPAQUE_ALONE if actor in partly else ""
+                if with_normals:
+                    # A surface without lighting would have no normal in its shader.
+                    self.changed(stack, actor.GetProperty(), "Lighting", True)
+                    drawn = NORMAL_AS_COLOR if has_normals(actor) else BLACK
+                    code = code + drawn.split("\n", 1)[1] if code else drawn
+                self.shaded(stack, actor, code)
             yield
 
     @contextlib.contextmanager
@@ -504,8 +542,21 @@ class Stage:
         return vtk_to_numpy(array).reshape(height, width, 3)[::-1].copy()
 
     def color(self, view):
-        self.look(view)
-        return LINEAR[self.bytes_of_picture()]
+        with contextlib.ExitStack() as stack:
+            for actor in actors_of(self.renderer):
+                # VTK would draw the far side of what is opaque or invisible over the near one.
+                is_clear = actor.GetVisibility() and actor.HasTranslucentPolygonalGeometry()
+                if is_clear and is_opaque_in_part(actor) and is_seen_or_not(actor):
+                    self.changed(stack, actor, "ForceOpaque", True)
+                    self.shaded(stack, actor, OPAQUE_ALONE)
+            self.look(view)
+            return LINEAR[self.bytes_of_picture()]
+
+    def shaded(self, stack, actor, code):
+        """Puts `code` where VTK would write what is picked, until `stack` is left."""
+        shader = actor.GetShaderProperty()
+        shader.AddFragmentShaderReplacement("//VTK::Picking::Impl", True, code, False)
+        stack.callback(shader.ClearFragmentShaderReplacement, "//VTK::Picking::Impl", True)
 
     def depth(self, view):
         """Planar z of every pixel's center, 1e10 where nothing is."""
@@ -559,6 +610,15 @@ class Part:
             # A point and a line have corners more than once.
             self.corners = np.concatenate([it[:, np.arange(3) % it.shape[1]] for it in cells_of(self.data)])
             self.count = len(self.corners)
+            self.is_hidden = self.hidden_pieces()
+
+    def hidden_pieces(self):
+        """Whether each piece has a corner that is not opaque, of an actor that is opaque in part."""
+        is_clear, of_cells = alpha_of(self.mapper, self.data)
+        if is_clear is None or not self.prop.HasTranslucentPolygonalGeometry():
+            return np.zeros(self.count, bool)
+        is_clear = is_clear < 255
+        return is_clear[: self.count] if of_cells else is_clear[self.corners].any(axis=1)
 
     def arrays(self):
         """Its arrays by name: whether each is of points, and the array."""
@@ -582,7 +642,7 @@ class Part:
             drawn = self.data.NewInstance()
             drawn.ShallowCopy(self.data)
         else:
-            drawn, number = apart(self.data, number)
+            drawn, number = apart(self.data, number, self.is_hidden)
             mapper = vtkPolyDataMapper()
             if self.mapper.GetClippingPlanes() is not None:
                 mapper.SetClippingPlanes(self.mapper.GetClippingPlanes())
@@ -644,14 +704,16 @@ def cells_of(data):
     return [vtk_to_numpy(it.GetConnectivityArray()).reshape(-1, many) for it, many in cells]
 
 
-def apart(data, number):
-    """The same points, lines and triangles, none of which shares a corner, and the number of the cell of each corner."""
+def apart(data, number, is_hidden):
+    """The same points, lines and triangles, none of which shares a corner, and the number of the cell of each corner. Those that are
+    hidden have no size."""
     from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
     from vtkmodules.vtkCommonCore import vtkPoints
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 
     cells, made, points = cells_of(data), vtkPolyData(), vtkPoints()
-    corners = np.concatenate([it.ravel() for it in cells])
+    hidden = np.split(is_hidden, np.cumsum([len(it) for it in cells])[:-1])
+    corners = np.concatenate([np.where(no_size[:, None], it[:, :1], it).ravel() for it, no_size in zip(cells, hidden)])
     points.SetData(numpy_to_vtk(vtk_to_numpy(data.GetPoints().GetData())[corners], deep=True))
     made.SetPoints(points)
     first = 0
@@ -703,7 +765,7 @@ def parts_of(renderer):
         while (path := prop.GetNextPath()) is not None:
             actor, matrix = path.GetLastNode().GetViewProp(), vtkMatrix4x4()
             is_drawn = actor.IsA("vtkActor") and not actor.IsA("vtkSkybox") and actor.GetMapper() is not None and actor.GetVisibility()
-            if not is_drawn or actor.HasTranslucentPolygonalGeometry():
+            if not is_drawn or actor.HasTranslucentPolygonalGeometry() and not is_opaque_in_part(actor):
                 continue
             if path.GetLastNode().GetMatrix() is not None:
                 matrix.DeepCopy(path.GetLastNode().GetMatrix())

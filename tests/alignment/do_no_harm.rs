@@ -1,11 +1,11 @@
 //! What is right is left alone, whatever it shows; and what is found to be wrong is wrong by as much as is said.
 
 use glam::{DAffine3, DQuat, DVec3};
-use overlook_engine::alignment::{Aligned, align};
+use overlook_engine::alignment::{Aligned, Alignment, align};
 use overlook_engine::capture::conventions::{Evidence, check};
 use overlook_engine::capture::{Camera, Capture};
 use overlook_engine::job::Job;
-use overlook_engine::settings::AlignSettings;
+use overlook_engine::settings::{AlignSettings, Correction};
 
 use crate::draws::Draws;
 use crate::exact_scenes::{ExactScene, between, color_camera, misplaced};
@@ -44,6 +44,49 @@ fn exact_scenes_are_left_alone_whatever_they_show() {
 fn two_hundred_exact_scenes_are_left_alone() {
     let harm = harm(0..200);
     assert!(harm.is_empty(), "{} of 200: {harm:#?}", harm.len());
+}
+
+#[test]
+fn exposures_of_what_a_program_rendered_are_measured_and_corrected_where_one_asks() {
+    let mut scene = ExactScene::random(2, false);
+    scene.stops[1] = 0.4;
+    let with = |is_rendered: Option<bool>, exposure: Correction| {
+        let mut scene = scene.clone();
+        scene.is_rendered = is_rendered;
+        let settings = AlignSettings { exposure, ..AlignSettings::default() };
+        align(&scene.record(scene.cameras.clone()), &settings, &Job::new()).unwrap().alignment.unwrap()
+    };
+    let is_corrected = |found: &Alignment| found.cameras.iter().any(|camera| camera.exposure.is_some());
+    // By its word, and by its depth.
+    for is_rendered in [Some(true), None] {
+        let found = with(is_rendered, Correction::Auto);
+        assert!(!is_corrected(&found), "{:?}", found.sentences());
+        assert!(found.measured.iter().any(|line| line.starts_with("c1: red -0.")), "{:?}", found.measured);
+        assert!(is_corrected(&with(is_rendered, Correction::On)));
+    }
+    assert!(is_corrected(&with(Some(false), Correction::Auto)));
+}
+
+#[test]
+fn depth_of_a_sensor_is_not_taken_for_what_a_program_rendered() {
+    let mut scene = ExactScene::random(3, true);
+    scene.stops[1] = 0.4;
+    scene.is_rendered = None;
+    let found = aligned(&scene.record(scene.cameras.clone())).alignment.unwrap();
+    assert!(found.measured.is_empty(), "{:?}", found.measured);
+}
+
+#[test]
+fn a_pose_that_is_wrong_beyond_doubt_is_corrected_of_what_a_program_rendered_too() {
+    let mut scene = ExactScene::random(4, false);
+    scene.is_rendered = Some(true);
+    let mut claimed = scene.cameras.clone();
+    claimed[1] = misplaced(&claimed[1], &mut Draws(5), 0.2, 0.0);
+    let found = aligned(&scene.record(claimed));
+    let left = found.capture.cameras[1].world_from_camera.matrix3.transpose()
+        * scene.cameras[1].world_from_camera.matrix3;
+    let left = DQuat::from_mat3(&left).to_scaled_axis().length().to_degrees();
+    assert!(left < 0.02, "{left}° of 0.2° are left");
 }
 
 /// A stated number that ought to be another one.

@@ -76,6 +76,8 @@ pub(crate) struct ExactScene {
     pub(crate) color_cameras: Option<Vec<Camera>>,
     /// Stops by which each camera's pictures are too bright.
     pub(crate) stops: Vec<f64>,
+    /// Whether it says that a program rendered it.
+    pub(crate) is_rendered: Option<bool>,
 }
 
 /// Relative standard deviations.
@@ -117,7 +119,20 @@ impl ExactScene {
         };
         let cameras = cameras(draws);
         let stops = vec![0.0; cameras.len()];
-        Self { balls, waves, look, background, lamp, color_rays, noise, cameras, color_cameras: None, stops }
+        let (color_cameras, is_rendered) = (None, Some(false));
+        Self {
+            balls,
+            waves,
+            look,
+            background,
+            lamp,
+            color_rays,
+            noise,
+            cameras,
+            color_cameras,
+            stops,
+            is_rendered,
+        }
     }
 
     /// What is recorded of the scene, by cameras that claim to be `claimed`.
@@ -218,6 +233,10 @@ impl FrameSource for ExactScene {
 
     fn place(&self, camera: usize, _frame: usize) -> String {
         format!("exact scene, camera {camera}")
+    }
+
+    fn is_rendered(&self) -> Option<bool> {
+        self.is_rendered
     }
 }
 

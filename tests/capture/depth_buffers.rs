@@ -129,3 +129,21 @@ fn a_buffer_that_is_taken_for_distances_is_found_with_its_planes() {
         assert!(read.alternative().is_none() && read.claimed_score > 0.3, "{}", read.sentence());
     }
 }
+
+#[test]
+fn depth_divided_by_the_farthest_and_reciprocals_of_depth_are_no_buffers_with_planes_of_chance() {
+    let said = |value: fn(f64) -> f64| {
+        let folder = Folder::new();
+        write(&folder, "exr", value, json!({}));
+        finding(&folder).sentence()
+    };
+    let divided = said(|z| z / 12.0);
+    assert!(
+        divided.contains("write \"depth_unit_scale_factor\": 12.0 in") && divided.contains("sure"),
+        "{divided}"
+    );
+    let turned = said(|z| 1.0 - z / 10.0);
+    assert!(turned.contains("(at 10.0 and 0") && turned.contains("convert it"), "{turned}");
+    let reciprocal = said(|z| 0.25 / z);
+    assert!(reciprocal.contains("\"reversed_z_buffer\", \"depth_range\": [0.25, null]"), "{reciprocal}");
+}

@@ -17,6 +17,7 @@ mod scene;
 #[path = "../common/small_capture.rs"]
 mod small_capture;
 
+mod asked_or_said;
 mod color_files;
 mod damage;
 mod demo_scenes;

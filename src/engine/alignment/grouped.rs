@@ -14,12 +14,11 @@
 use super::capture_correction::{CameraCorrection, CameraCorrections, CaptureCorrection, FrameCorrection};
 use super::color_lens_search::LensCorrection;
 use super::report::{AlignedCamera, AlignedLens, AlignedPair, Alignment};
-use super::together::{Aligned, aligned_beside_lenses, problem};
+use super::together::{Aligned, Asked, aligned_beside_lenses, problem};
 use crate::capture::overlap::{Neighbors, nearest_first};
 use crate::capture::{Camera, Capture};
 use crate::error::Result;
 use crate::job::Job;
-use crate::settings::AlignSettings;
 
 /// Cameras that are aligned together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,6 +57,7 @@ struct DecidedCameras {
     cameras: Vec<AlignedCamera>,
     pairs: Vec<AlignedPair>,
     refused: Vec<String>,
+    measured: Vec<String>,
 }
 
 impl DecidedCameras {
@@ -74,6 +74,7 @@ impl DecidedCameras {
             cameras: seen.cameras.iter().map(named).collect(),
             pairs: Vec::new(),
             refused: Vec::new(),
+            measured: Vec::new(),
         }
     }
 
@@ -83,6 +84,7 @@ impl DecidedCameras {
         let CaptureCorrection { cameras, frames, late_frames, .. } = found.correction;
         let alignment = found.alignment.unwrap_or_default();
         self.refused.extend(alignment.refused.iter().cloned());
+        self.measured.extend(alignment.measured.iter().cloned());
         if !alignment.is_of_cameras() {
             return;
         }
@@ -107,7 +109,7 @@ pub(super) fn aligned_in_groups(
     groups: &[CameraGroup],
     typical_depth: f64,
     lenses: &[LensCorrection],
-    settings: &AlignSettings,
+    asked: &Asked<'_>,
     job: &Job,
 ) -> Result<Option<Aligned>> {
     let mut decided = DecidedCameras::nothing(seen, lenses);
@@ -118,14 +120,14 @@ pub(super) fn aligned_in_groups(
         let part = so_far.with_cameras(|camera, _| held.binary_search(&camera).is_ok());
         let mut problem = problem(&part, None, job)?;
         problem.is_free = held.iter().map(|camera| group.new.binary_search(camera).is_ok()).collect();
-        if let Some(found) = aligned_beside_lenses(&part, problem, &[], settings, job)? {
+        if let Some(found) = aligned_beside_lenses(&part, problem, &[], asked, job)? {
             decided.take(group, &held, found);
             so_far = decided.correction.applied_to_seen(seen);
         }
     }
-    let DecidedCameras { mut correction, cameras, pairs, refused } = decided;
+    let DecidedCameras { mut correction, cameras, pairs, refused, measured } = decided;
     if lenses.is_empty() && cameras.iter().all(|camera| camera.sentence().is_none()) {
-        return Ok((!refused.is_empty()).then(|| Aligned::refused(seen, Alignment::refused(refused))));
+        return Ok(Aligned::left(seen, refused, measured));
     }
     if correction.late_frames.iter().all(|late| *late == 0) {
         correction.late_frames = Vec::new();
@@ -138,7 +140,7 @@ pub(super) fn aligned_in_groups(
     };
     let corrections = CameraCorrections::new((0..cameras.len()).map(of_camera).collect(), typical_depth);
     let lenses = lenses.iter().map(AlignedLens::new).collect();
-    let alignment = Alignment { cameras, lenses, pairs, corrections, refused, misread: None };
+    let alignment = Alignment { cameras, lenses, pairs, corrections, refused, measured, misread: None };
     Ok(Some(Aligned { capture: so_far, alignment: Some(alignment), correction }))
 }
 
@@ -150,7 +152,7 @@ mod tests {
     use super::*;
     use crate::capture::with_changed_frames;
     use crate::demo::{Demo, DemoSpec};
-    use crate::settings::{CaptureSettings, Correction};
+    use crate::settings::{AlignSettings, CaptureSettings, Correction};
 
     /// How much brighter a camera's pictures are than those of the first.
     fn stops(camera: usize) -> f64 {
@@ -180,7 +182,8 @@ mod tests {
             AlignSettings { poses: Correction::Auto, exposure: Correction::Auto, ..AlignSettings::OFF };
         let groups = groups(&wrong.cameras, 4.0, 12);
         assert!(groups.len() > 1);
-        let found = aligned_in_groups(&wrong, &groups, 4.0, &[], &settings, &Job::new()).unwrap().unwrap();
+        let asked = Asked { settings: &settings, is_rendered: false };
+        let found = aligned_in_groups(&wrong, &groups, 4.0, &[], &asked, &Job::new()).unwrap().unwrap();
         let alignment = found.alignment.unwrap();
         let off: Vec<f64> = (0..24)
             .map(|camera| {
@@ -207,7 +210,8 @@ mod tests {
         let settings =
             AlignSettings { poses: Correction::Auto, exposure: Correction::Auto, ..AlignSettings::OFF };
         let groups = groups(&right.cameras, 4.0, 6);
-        let found = aligned_in_groups(&right, &groups, 4.0, &[], &settings, &Job::new()).unwrap();
+        let asked = Asked { settings: &settings, is_rendered: false };
+        let found = aligned_in_groups(&right, &groups, 4.0, &[], &asked, &Job::new()).unwrap();
         assert!(found.is_none());
     }
 }

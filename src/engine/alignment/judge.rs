@@ -21,6 +21,8 @@ pub(crate) struct Judgment {
 /// A correction pays where the loss falls by more than this many standard errors, and by this share.
 const STANDARD_ERRORS: f64 = 2.0;
 const LEAST_FALL: f64 = 0.01;
+/// Beyond doubt is what makes the loss fall by more than this many, and by half.
+const STANDARD_ERRORS_BEYOND_DOUBT: f64 = 5.0;
 /// Standard errors for poses: noisy and curved surfaces ask for more false corrections of them than of anything else.
 const STANDARD_ERRORS_OF_POSES: f64 = 2.5;
 /// From this many on it may well pay, and is not given up.
@@ -31,6 +33,11 @@ const LEAST_SAMPLES: usize = 50;
 impl Judgment {
     pub(crate) fn pays(&self) -> bool {
         self.pays_by(STANDARD_ERRORS)
+    }
+
+    /// Whether it pays so much that nothing else explains it.
+    pub(crate) fn is_beyond_doubt(&self) -> bool {
+        self.pays_by(STANDARD_ERRORS_BEYOND_DOUBT) && self.after < 0.5 * self.before
     }
 
     fn pays_by(&self, standard_errors: f64) -> bool {
@@ -74,7 +81,7 @@ type Losses = Vec<(usize, [f64; 2])>;
 pub(crate) struct PoseJudgment {
     /// By distances and pictures together.
     pub(crate) all: Judgment,
-    distances: Judgment,
+    pub(crate) distances: Judgment,
 }
 
 impl PoseJudgment {

@@ -28,6 +28,7 @@ mod poses;
 mod reference_view;
 mod regions;
 mod registered_frames;
+mod rendered;
 mod report;
 mod residuals;
 mod solver;
@@ -51,9 +52,10 @@ use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
 use color_lens_search::{FoundLenses, LEAST_CAMERAS, LensCorrection};
 use grouped::{aligned_in_groups, groups};
+use rendered::left;
 use report::FoundCorrections;
 use solver::Problem;
-use together::{aligned_beside_lenses, problem};
+use together::{Asked, aligned_beside_lenses, problem};
 
 /// Cameras that are aligned all at once, at most. A capture with more is aligned one group after the other.
 const MOST_CAMERAS: usize = 400;
@@ -79,15 +81,23 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         return Ok(Aligned::refused(capture, why));
     }
     job.start("Aligning cameras", 1);
-    let (found, looked) = if settings.lens == Correction::Auto {
-        let looked = LookedAt::new(capture, job)?;
-        (color_lens_search::find_color_lenses(&looked.problem, job)?, Some(looked))
-    } else {
-        (FoundLenses::default(), None)
+    let word = capture.source.is_rendered();
+    let finds_lenses = settings.lens != Correction::Off;
+    let looked = (finds_lenses || word.is_none()).then(|| LookedAt::new(capture, job)).transpose()?;
+    let is_rendered =
+        word.unwrap_or_else(|| looked.as_ref().is_some_and(|looked| looked.problem.is_rendered()));
+    let found = match &looked {
+        Some(looked) if finds_lenses => color_lens_search::find_color_lenses(&looked.problem, job)?,
+        _ => FoundLenses::default(),
     };
-    let FoundLenses { kept: lenses, refused } = found;
+    let FoundLenses { kept: mut lenses, refused } = found;
     let refused = refused.iter().map(|lens| AlignedLens::new(lens).refusal()).collect();
+    let mut measured = Vec::new();
+    if is_rendered && settings.lens == Correction::Auto {
+        measured.extend(lenses.drain(..).map(|lens| left(&AlignedLens::new(&lens).sentence(), "lens")));
+    }
     let seen = CaptureCorrection::of_lenses(&lenses).seen_through_lenses(capture);
+    let asked = Asked { settings, is_rendered };
     let is_lens_alone = AlignSettings { lens: Correction::Off, ..settings.clone() } == AlignSettings::OFF;
     let found = if is_lens_alone {
         let looked = looked.filter(|_| !lenses.is_empty());
@@ -97,7 +107,7 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         let typical_depth = 1.0 / looked.problem.scale.inverse_depth;
         drop(looked);
         let groups = groups(&seen.cameras, typical_depth, most);
-        aligned_in_groups(&seen, &groups, typical_depth, &lenses, settings, job)?
+        aligned_in_groups(&seen, &groups, typical_depth, &lenses, &asked, job)?
     } else {
         // The problem of the lens search serves for poses too, unless a lens changed the pictures or cameras were left out.
         let known = looked.filter(|looked| lenses.is_empty() && looked.cameras.len() == cameras);
@@ -105,9 +115,12 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
             Some(looked) => looked.problem,
             None => problem(&seen, None, job)?,
         };
-        aligned_beside_lenses(&seen, problem, &lenses, settings, job)?
+        aligned_beside_lenses(&seen, problem, &lenses, &asked, job)?
     };
-    let found = with_refusals(found, refused, capture)?;
+    let mut found = with_refusals(found, refused, capture)?;
+    if !measured.is_empty() {
+        found.alignment.get_or_insert_default().measured.splice(0..0, measured);
+    }
     job.advance(1);
     Ok(found)
 }
@@ -211,7 +224,8 @@ mod tests {
             let seen = CaptureCorrection::of_lenses(lenses).seen_through_lenses(&capture);
             let problem = problem(&seen, None, &job).unwrap();
             assert!(problem.pairs.is_empty());
-            aligned_beside_lenses(&seen, problem, lenses, &settings, &job).unwrap()
+            let asked = Asked { settings: &settings, is_rendered: false };
+            aligned_beside_lenses(&seen, problem, lenses, &asked, &job).unwrap()
         };
         assert!(aligned(&[]).is_none());
         let found = aligned(&[lens]).unwrap();

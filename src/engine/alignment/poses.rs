@@ -54,6 +54,8 @@ pub(crate) struct PoseCorrection {
     /// Standard errors of rotation (radians) and translation (units), per axis, the largest.
     pub(crate) standard_errors: [f64; 2],
     pub(crate) judgment: Judgment,
+    /// The same by distances alone.
+    pub(crate) distances: Judgment,
 }
 
 impl Problem {
@@ -223,6 +225,7 @@ impl Problem {
                     largest(3) / (self.scale.focal * self.scale.inverse_depth),
                 ],
                 judgment: in_all.all,
+                distances: in_all.distances,
             }
         });
         Some(judged.collect())
@@ -238,6 +241,7 @@ impl PoseCorrection {
             footprints: 0.0,
             standard_errors: [0.0; 2],
             judgment: Judgment::default(),
+            distances: Judgment::default(),
         }
     }
 }

@@ -34,6 +34,9 @@ pub struct Alignment {
     /// What would make cameras agree better but is not corrected, one sentence each: it is farther off than rigs are.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub refused: Vec<String>,
+    /// What was measured of a capture that a program rendered, and is left as it is, one sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub measured: Vec<String>,
     /// The reading of poses and depth under which views agree far better than as the capture is read. Nothing is corrected then.
     pub misread: Option<Finding>,
 }
@@ -213,13 +216,9 @@ impl Alignment {
             pairs: pairs.collect(),
             corrections: camera_corrections(capture, problem, gains),
             refused: poses::refusals(capture, poses),
+            measured: Vec::new(),
             misread: None,
         }
-    }
-
-    /// That nothing is corrected, and why.
-    pub(super) fn refused(refused: Vec<String>) -> Self {
-        Self { refused, ..Self::default() }
     }
 
     /// Whether anything is corrected or left as it is for want of evidence, rather than nothing for some reason.

@@ -53,8 +53,9 @@ fn places(view: &ReferenceView, count: usize, radius: usize) -> impl Iterator<It
     })
 }
 
-/// Whether depth is that of a sensor: noisy, or of a coarser lattice. Seen at about `count` places.
-pub(crate) fn has_noisy_depth(view: &ReferenceView, count: usize) -> bool {
+/// How far depth is off smooth surfaces, in footprints, and how far rounding takes it; `None` for a coarser lattice. Seen at about `count`
+/// places.
+fn noise_footprints(view: &ReferenceView, count: usize) -> Option<[f64; 2]> {
     let exact = places(view, count, RADII[0]).filter_map(|(x, y, _)| plane_in(view, x, y, 0));
     let focal = view.camera.intrinsics.fx;
     let mut off: Vec<f64> = exact.map(|plane| plane.deviation_relative * focal).collect();
@@ -62,7 +63,18 @@ pub(crate) fn has_noisy_depth(view: &ReferenceView, count: usize) -> bool {
         places(view, count, RADII[0]).filter(|&(x, y, _)| view.frame.inverse_depth[(x, y)] > 0.0).count();
     // Depth of a coarser lattice, too, has few whole windows of 3×3 pixels.
     let is_sparse = 2 * off.len() < with_depth;
-    is_sparse || median(&mut off).is_none_or(|off| off > NOISY_FOOTPRINTS)
+    let off = median(&mut off).filter(|_| !is_sparse)?;
+    Some([off, f64::from(view.frame.depth_step_relative) * focal])
+}
+
+/// Whether depth has no noise but rounding.
+pub(crate) fn has_exact_depth(view: &ReferenceView, count: usize) -> bool {
+    noise_footprints(view, count).is_some_and(|[off, rounding]| off <= NOISY_FOOTPRINTS.max(rounding))
+}
+
+/// Whether depth is that of a sensor: noisy, or of a coarser lattice. Seen at about `count` places.
+pub(crate) fn has_noisy_depth(view: &ReferenceView, count: usize) -> bool {
+    noise_footprints(view, count).is_none_or(|[off, _]| off > NOISY_FOOTPRINTS)
 }
 
 /// About `count` samples of a view.

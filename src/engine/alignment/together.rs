@@ -6,10 +6,11 @@ use rayon::prelude::*;
 use super::capture_correction::{CaptureCorrection, FrameCorrection};
 use super::clock::{self, ClockCorrection};
 use super::color_lens_search::LensCorrection;
-use super::exposure::{self, kept_gain};
-use super::poses;
+use super::exposure::{self, GainCorrection, kept_gain};
+use super::poses::{self, PoseCorrection};
 use super::reference_view::ReferenceView;
 use super::regions::set_regions;
+use super::rendered::{doubtful_poses, left};
 use super::report::{Alignment, FoundCorrections};
 use super::residuals::ProblemScale;
 use super::solver::Problem;
@@ -38,6 +39,12 @@ impl Aligned {
         Self { capture: capture.clone(), alignment: None, correction: CaptureCorrection::default() }
     }
 
+    /// The capture as it claims to be, and what was found of it all the same; `None` where that is nothing.
+    pub(super) fn left(capture: &Capture, refused: Vec<String>, measured: Vec<String>) -> Option<Self> {
+        let is_any = !refused.is_empty() || !measured.is_empty();
+        is_any.then(|| Self::refused(capture, Alignment { refused, measured, ..Alignment::default() }))
+    }
+
     /// The capture as it claims to be, and why.
     pub(super) fn refused(capture: &Capture, why: Alignment) -> Self {
         Self { alignment: Some(why), ..Self::unchanged(capture) }
@@ -64,37 +71,94 @@ fn overlapping_pairs(views: &[ReferenceView], samples: &[Vec<SurfaceSample>]) ->
     })
 }
 
+/// What is asked of alignment.
+pub(super) struct Asked<'a> {
+    pub(super) settings: &'a AlignSettings,
+    /// Whether a program rendered the capture, so that it is measured and left as it is.
+    pub(super) is_rendered: bool,
+}
+
+impl Asked<'_> {
+    /// Whether what is found under a setting is left as it is.
+    fn is_left(&self, correction: Correction) -> bool {
+        self.is_rendered && correction == Correction::Auto
+    }
+}
+
+/// What was found of all cameras.
+struct FoundOfCameras {
+    poses: Vec<PoseCorrection>,
+    gains: Vec<GainCorrection>,
+    clocks: Vec<ClockCorrection>,
+    /// What is left as it is, a sentence each.
+    measured: Vec<String>,
+}
+
+impl FoundOfCameras {
+    fn new(problem: &mut Problem, seen: &Capture, asked: &Asked<'_>, job: &Job) -> Result<Self> {
+        let settings = asked.settings;
+        let mut measured = Vec::new();
+        let name = |camera: usize| &seen.cameras[camera].name;
+        let mut poses = Vec::new();
+        if settings.poses != Correction::Off {
+            poses = poses::align_poses(problem, job)?;
+        }
+        if asked.is_left(settings.poses) {
+            let doubtful = doubtful_poses(&mut poses);
+            let claimed: Vec<_> = seen.cameras.iter().map(|camera| camera.world_from_camera).collect();
+            problem.put_back(&claimed, |camera| doubtful.contains(&camera));
+            measured.extend(doubtful.iter().map(|camera| {
+                let off = poses[*camera].footprints;
+                left(&format!("{}: its pose would be {off:.2} footprints off", name(*camera)), "poses")
+            }));
+        }
+        let mut gains = Vec::new();
+        if settings.exposure != Correction::Off {
+            gains = exposure::align_gains(problem, &problem.finest_weighing());
+        }
+        for (camera, gain) in gains.iter_mut().enumerate().filter(|(_, gain)| gain.kept) {
+            if asked.is_left(settings.exposure) {
+                gain.kept = false;
+                let [r, g, b] = gain.log_gain.map(|gain| gain / std::f64::consts::LN_2);
+                let what = format!("{}: red {r:+.2}, green {g:+.2}, blue {b:+.2} stops", name(camera));
+                measured.push(left(&what, "exposure"));
+            }
+        }
+        let mut clocks = Vec::new();
+        if settings.clock != Correction::Off {
+            clocks = clock::align_clocks(problem, seen, job)?;
+        }
+        for (camera, clock) in clocks.iter_mut().enumerate().filter(|(_, clock)| clock.shows()) {
+            if asked.is_left(settings.clock) {
+                let ClockCorrection { delay, standard_error, .. } = std::mem::take(clock);
+                let what = format!("{}: {delay:+.2} ± {standard_error:.2} frames late", name(camera));
+                measured.push(left(&what, "clock"));
+            }
+        }
+        Ok(Self { poses, gains, clocks, measured })
+    }
+}
+
 /// Finds poses, exposures and clocks of a capture that is seen through its color lenses; `None` where it has no such lens and nothing
 /// else pays.
 pub(super) fn aligned_beside_lenses(
     seen: &Capture,
     mut problem: Problem,
     lenses: &[LensCorrection],
-    settings: &AlignSettings,
+    asked: &Asked<'_>,
     job: &Job,
 ) -> Result<Option<Aligned>> {
     if problem.pairs.is_empty() && lenses.is_empty() {
         return Ok(None);
     }
-    let poses =
-        if settings.poses == Correction::Auto { poses::align_poses(&mut problem, job)? } else { Vec::new() };
-    let gains = if settings.exposure == Correction::Auto {
-        exposure::align_gains(&problem, &problem.finest_weighing())
-    } else {
-        Vec::new()
-    };
-    let clocks = if settings.clock == Correction::Auto {
-        clock::align_clocks(&problem, seen, job)?
-    } else {
-        Vec::new()
-    };
+    let FoundOfCameras { poses, gains, clocks, measured } =
+        FoundOfCameras::new(&mut problem, seen, asked, job)?;
     let is_kept = !lenses.is_empty()
         || poses.iter().any(|pose| pose.kept)
         || gains.iter().any(|gain| gain.kept)
         || clocks.iter().any(ClockCorrection::shows);
     if !is_kept {
-        let refused = poses::refusals(seen, &poses);
-        return Ok((!refused.is_empty()).then(|| Aligned::refused(seen, Alignment::refused(refused))));
+        return Ok(Aligned::left(seen, poses::refusals(seen, &poses), measured));
     }
     let before = problem.pair_medians_as_claimed(&seen.cameras);
     let of_camera = |camera: usize| {
@@ -107,7 +171,7 @@ pub(super) fn aligned_beside_lenses(
         }
     };
     let found = FoundCorrections { lenses, poses: &poses, gains: &gains, clocks: &clocks };
-    let alignment = Alignment::new(seen, &problem, &found, before);
+    let alignment = Alignment { measured, ..Alignment::new(seen, &problem, &found, before) };
     let is_shifted = clocks.iter().any(|clock| clock.shift != 0);
     let correction = CaptureCorrection {
         cameras: problem.views.iter().map(|view| view.camera.clone()).collect(),

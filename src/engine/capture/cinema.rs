@@ -189,20 +189,36 @@ pub(crate) struct Table {
     path: PathBuf,
     columns: Vec<String>,
     pub(crate) rows: Vec<Vec<String>>,
+    /// The lines whose rows have more or fewer fields than there are columns; they are not among the rows.
+    pub(crate) odd_lines: Vec<u64>,
+    /// Whether numbers have decimal commas, as spreadsheets of many languages write them between semicolons.
+    has_commas: bool,
 }
 
 impl Table {
     /// Reads a table.
     ///
     /// # Errors
-    /// `Io`, and `Invalid` where a row has more or fewer fields than there are columns.
+    /// `Io`, and `Invalid` where it is no table.
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let bytes = whole_file::read_all(path)?;
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes.as_slice());
+        let first = bytes.split(|byte| *byte == b'\n').next().unwrap_or_default();
+        let has_commas = first.contains(&b';') && !first.contains(&b',');
+        let mut table = csv::ReaderBuilder::new();
+        table.trim(csv::Trim::All).flexible(true).delimiter(if has_commas { b';' } else { b',' });
+        let mut reader = table.from_reader(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&bytes));
         let invalid = |error: csv::Error| Error::invalid(path.display(), error.to_string());
-        let columns = reader.headers().map_err(invalid)?.iter().map(str::to_owned).collect();
-        let rows = reader.records().map(|row| Ok(row.map_err(invalid)?.iter().map(str::to_owned).collect()));
-        Ok(Self { path: path.to_path_buf(), columns, rows: rows.collect::<Result<_>>()? })
+        let columns: Vec<String> = reader.headers().map_err(invalid)?.iter().map(str::to_owned).collect();
+        let (mut rows, mut odd_lines) = (Vec::new(), Vec::new());
+        for row in reader.records() {
+            let row = row.map_err(invalid)?;
+            if row.len() == columns.len() {
+                rows.push(row.iter().map(str::to_owned).collect());
+            } else {
+                odd_lines.extend(row.position().map(csv::Position::line));
+            }
+        }
+        Ok(Self { path: path.to_path_buf(), columns, rows, odd_lines, has_commas })
     }
 
     fn column(&self, name: &str) -> Option<usize> {
@@ -224,7 +240,9 @@ impl Table {
 
     /// The number in a column; `None` where none stands there.
     pub(crate) fn number(&self, row: &[String], name: &str) -> Option<f64> {
-        self.text(row, name)?.parse().ok().filter(|number: &f64| number.is_finite())
+        let text = self.text(row, name)?;
+        let number = if self.has_commas { text.replace(',', ".").parse() } else { text.parse() };
+        number.ok().filter(|number: &f64| number.is_finite())
     }
 
     fn point(&self, row: &[String], name: &str) -> Option<DVec3> {

@@ -24,6 +24,8 @@ pub enum DepthMeasure {
     ZBuffer,
     /// The same from 0 at the far plane to 1 at the near plane.
     ReversedZBuffer,
+    /// Even in depth along the optical axis, from one plane at 0 to another one at 1, whichever of them is nearer.
+    EvenBetweenPlanes,
 }
 
 impl DepthMeasure {
@@ -37,7 +39,7 @@ impl DepthMeasure {
             Self::WorldZ => Some("world_z"),
             Self::ZBuffer => Some("z_buffer"),
             Self::ReversedZBuffer => Some("reversed_z_buffer"),
-            Self::InversePlanarZ | Self::InverseRayDistance => None,
+            Self::InversePlanarZ | Self::InverseRayDistance | Self::EvenBetweenPlanes => None,
         }
     }
 
@@ -53,6 +55,7 @@ impl DepthMeasure {
             Self::WorldZ => "the z coordinate in world space",
             Self::ZBuffer => "a depth buffer, 0 at the near plane and 1 at the far plane",
             Self::ReversedZBuffer => "a reversed depth buffer, 1 at the near plane and 0 at the far plane",
+            Self::EvenBetweenPlanes => "even in depth, from one plane at 0 to another at 1",
         }
     }
 
@@ -123,6 +126,9 @@ impl DepthClaim {
             DepthMeasure::WorldZ => world_from_camera.transform_point3(ray * z).z / self.unit,
             DepthMeasure::ZBuffer => (1.0 - self.nearness(z)) / self.unit,
             DepthMeasure::ReversedZBuffer => self.nearness(z) / self.unit,
+            DepthMeasure::EvenBetweenPlanes => self.planes.map_or(f64::NAN, |planes| {
+                planes.far.map_or(f64::NAN, |far| (z - planes.near) / (far - planes.near))
+            }),
         }
     }
 

@@ -49,6 +49,11 @@ where
         self.original.source.depth_claim()
     }
 
+    fn is_rendered(&self) -> Option<bool> {
+        // What was changed may be wrong now, and its word is not its own.
+        self.original.source.is_rendered().filter(|is_rendered| !is_rendered)
+    }
+
     fn value_channels(&self) -> &[ValueChannel] {
         self.original.value_channels()
     }

@@ -52,6 +52,12 @@ pub trait FrameSource: Send + Sync {
         false
     }
 
+    /// Whether a program made the frames, so that poses, lenses, colors and times are exact: by the source's own word. `None` where it
+    /// leaves that open, and depth has to show it.
+    fn is_rendered(&self) -> Option<bool> {
+        Some(false)
+    }
+
     /// The channels of scalar values that every frame has; none as a rule.
     fn value_channels(&self) -> &[ValueChannel] {
         &[]

@@ -7,8 +7,11 @@ choice! {
     pub enum Correction {
         /// Everything is taken as the capture gives it.
         Off = "off",
-        /// Errors are measured, and corrected where samples that took no part in measuring agree that it pays.
+        /// Errors are measured, and corrected where samples that took no part in measuring agree that it pays. What a program rendered is
+        /// exact by its own word, or by what its depth shows: of it nothing but a pose that is wrong beyond doubt is corrected.
         Auto = "auto",
+        /// As auto, of what a program rendered too.
+        On = "on",
     }
 }
 

@@ -161,8 +161,15 @@ fn redwood_poses_are_read_from_a_log_of_any_line_length_and_from_json() {
     }
     let matrix = [LENS.fx, 0.0, 0.0, 0.0, LENS.fy, 0.0, LENS.cx - 0.5, LENS.cy - 0.5, 1.0];
     let lens = json!({"width": 64, "height": 48, "intrinsic_matrix": matrix});
-    folder.put("camera_intrinsic.json", lens.to_string().as_bytes());
     folder.put("trajectory.log", log.as_bytes());
+    let refused = refusal(&folder);
+    let size = "is of 640×480 pixels, while these pictures have 64×48";
+    assert!(refused.contains(size) && refused.contains("it is 52.5 0 31.5 0 52.5 23.5"), "{refused}");
+    let stated = text(&[LENS.fx, 0.0, LENS.cx - 0.5, 0.0, LENS.fy, LENS.cy - 0.5, 0.0, 0.0, 1.0]);
+    folder.put("camera-intrinsics.txt", stated.as_bytes());
+    scene::check(&open(&folder).unwrap(), VIEWS, 1.0);
+    std::fs::remove_file(folder.path("camera-intrinsics.txt")).unwrap();
+    folder.put("camera_intrinsic.json", lens.to_string().as_bytes());
     check(&folder, "Redwood");
     folder.put("trajectory.log", &log.as_bytes()[..log.len() - 9]);
     assert!(

@@ -79,6 +79,8 @@ impl AlignArgs {
         let mut lines = alignment.as_ref().map_or_else(Vec::new, Alignment::sentences);
         let refused = alignment.as_ref().map_or_else(Vec::new, Alignment::refusals);
         lines.extend(refused.iter().map(|line| format!("not corrected: {line}")));
+        let measured = alignment.as_ref().map_or(&[][..], |alignment| &alignment.measured);
+        lines.extend(measured.iter().map(|line| format!("measured: {line}")));
         if lines.is_empty() {
             let line =
                 "Nothing to correct: no change makes cameras agree better by more than its standard error";

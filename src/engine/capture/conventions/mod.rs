@@ -67,5 +67,9 @@ fn by_depth(comparison: &Comparison) -> Finding {
     if points < MIN_POINTS {
         return unknown("hardly any pixel has depth");
     }
+    let is_open = buffer_planes::may_be_buffer(comparison) && !search::agrees_as_read(comparison);
+    if let Some(found) = is_open.then(|| buffer_planes::between_planes(comparison)).flatten() {
+        return verdict::of_planes(comparison, &found);
+    }
     verdict::decide(comparison, &search::search(comparison))
 }

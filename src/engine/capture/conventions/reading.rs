@@ -119,6 +119,9 @@ impl Reading {
             }
             DepthMeasure::ZBuffer => self.between_planes(1.0 - scaled),
             DepthMeasure::ReversedZBuffer => self.between_planes(scaled),
+            DepthMeasure::EvenBetweenPlanes => self.planes.map_or(f64::NAN, |planes| {
+                planes.far.map_or(f64::NAN, |far| planes.near + scaled * (far - planes.near))
+            }),
         }
     }
 

@@ -3,10 +3,9 @@
 use rayon::prelude::*;
 
 use super::agreement::Comparison;
-use super::buffer_planes::{any_planes, hardly_differ, may_be_buffer, planes_near, round_planes};
 use super::reading::Reading;
 use super::views::POINTS;
-use crate::capture::depth_claim::{DepthMeasure, DepthPlanes};
+use crate::capture::depth_claim::DepthMeasure;
 use crate::capture::pose_convention::{CameraAxes, PoseConvention, PoseDirection};
 
 /// Units that depth is written in: meters, centimeters, millimeters and tenths of them, feet, and the steps of TUM, D400 cameras at
@@ -29,7 +28,7 @@ const FEW_LEFT: usize = 32;
 const SOME_LEFT: usize = 10;
 /// Tolerance of numbers, relative: in the search of poses and units, and in the choice of the measure.
 pub(super) const WIDE: f64 = 0.03;
-const NARROW: f64 = 0.01;
+pub(super) const NARROW: f64 = 0.01;
 /// Readings that score this are not chance; from the second on no other measure is tried.
 pub(super) const NOT_CHANCE: f64 = 0.08;
 const GOOD: f64 = 0.25;
@@ -45,14 +44,7 @@ pub(super) struct Scored {
 
 /// The readings under which the views agree best, and the claimed one, each with its score at one tolerance; best first.
 pub(super) fn search(comparison: &Comparison) -> Vec<Scored> {
-    let mut found = Vec::new();
-    let may_be_buffer = may_be_buffer(comparison);
-    if may_be_buffer && comparison.score(&comparison.claimed, SOME_POINTS, WIDE) < GOOD {
-        found.extend(buffer_between_planes(comparison));
-    }
-    if !(may_be_buffer && hardly_differ(comparison)) {
-        found.extend(of_all_groups(comparison));
-    }
+    let found = of_all_groups(comparison);
     let mut readings: Vec<Reading> = vec![comparison.claimed];
     for scored in found {
         if !readings.contains(&scored.reading) {
@@ -80,25 +72,9 @@ fn of_all_groups(comparison: &Comparison) -> Vec<Scored> {
     found
 }
 
-/// The planes between which numbers from 0 to 1 agree best, as the depth buffer of the claimed poses.
-fn buffer_between_planes(comparison: &Comparison) -> Vec<Scored> {
-    let round = score_all(comparison, &round_planes(&comparison.claimed), SOME_POINTS, NARROW);
-    let found: Vec<Scored> = if best(&round) >= GOOD {
-        round
-    } else {
-        let coarse = score_all(comparison, &any_planes(&comparison.claimed), FEW_POINTS, WIDE);
-        let fine = coarse.first().map(|coarse| planes_near(&coarse.reading)).unwrap_or_default();
-        score_all(comparison, &fine, SOME_POINTS, NARROW)
-    };
-    let best = found.first().map(|scored| rounded_planes(scored.reading));
-    let scored = |reading: Reading| Scored { reading, score: comparison.score(&reading, SOME_POINTS, WIDE) };
-    best.map(scored).filter(|scored| scored.score > 0.0).into_iter().collect()
-}
-
-fn rounded_planes(reading: Reading) -> Reading {
-    let rounded =
-        |DepthPlanes { near, far }| DepthPlanes { near: three_digits(near), far: far.map(three_digits) };
-    Reading { planes: reading.planes.map(rounded), ..reading }
+/// Whether the views agree as they are read.
+pub(super) fn agrees_as_read(comparison: &Comparison) -> bool {
+    comparison.score(&comparison.claimed, SOME_POINTS, WIDE) >= GOOD
 }
 
 /// Scores at one tolerance: by all points for readings that come near the best, by some of them for others.

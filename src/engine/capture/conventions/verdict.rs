@@ -5,9 +5,10 @@ use std::fmt::Write;
 use serde::{Deserialize, Serialize};
 
 use super::agreement::Comparison;
-use super::buffer_planes::may_be_buffer;
+use super::buffer_planes::{FoundBetween, may_be_buffer};
 use super::reading::{LensReading, Reading};
-use super::search::{NOT_CHANCE, Scored, UNITS, three_digits};
+use super::search::{NARROW, NOT_CHANCE, Scored, UNITS, three_digits};
+use super::views::POINTS;
 
 /// A reading that agrees this many times as well refutes the claimed one, and differs surely from others.
 const DECIDES: f64 = 2.0;
@@ -142,6 +143,24 @@ pub(super) fn decide(comparison: &Comparison, scored: &[Scored]) -> Finding {
     })))
 }
 
+/// What numbers between 0 and 1 are found to mean.
+pub(super) fn of_planes(comparison: &Comparison, found: &FoundBetween) -> Finding {
+    let FoundBetween { reading, margin } = *found;
+    let why = "numbers between 0 and 1 that are even in depth fit about as well as those that are even in its reciprocal";
+    let undecided = Undecided { part: ReadingPart::Measure, why: why.to_owned() };
+    let score = |reading| comparison.score(reading, POINTS, NARROW);
+    let other = Alternative {
+        reading,
+        evidence: Evidence::Depth,
+        score: score(&reading),
+        margin,
+        undecided: if margin < DECIDES { vec![undecided] } else { Vec::new() },
+        keys: keys(comparison, &reading),
+    };
+    let verdict = ConventionVerdict::Other(Box::new(other));
+    Finding { verdict, claimed: comparison.claimed, claimed_score: score(&comparison.claimed) }
+}
+
 /// The reading that changes the least of what was claimed, among those that fit about as well as the best.
 fn chosen(comparison: &Comparison, scored: &[Scored], best: f64) -> Scored {
     let claimed = &comparison.claimed;
@@ -222,7 +241,8 @@ pub(super) fn keys(comparison: &Comparison, reading: &Reading) -> Vec<(String, S
     {
         keys.push(("depth_kind", format!("\"{kind}\"")));
     }
-    if let Some(planes) = reading.planes.filter(|_| reading.planes != claimed.planes) {
+    let is_buffer = reading.measure.is_buffer();
+    if let Some(planes) = reading.planes.filter(|_| is_buffer && reading.planes != claimed.planes) {
         let far = planes.far.map_or_else(|| "null".to_owned(), number);
         keys.push(("depth_range", format!("[{}, {far}]", number(planes.near))));
     }

@@ -69,6 +69,11 @@ impl DepthMap {
                     let size = (gray.width() as usize, gray.height() as usize);
                     Ok(whole(size, gray.pixels().map(|pixel| f32::from(pixel.0[0])).collect()))
                 }
+                picture if has_sixteen_equal_bits(&picture) => {
+                    let gray = picture.into_rgb16();
+                    let size = (gray.width() as usize, gray.height() as usize);
+                    Ok(whole(size, gray.pixels().map(|pixel| f32::from(pixel.0[0])).collect()))
+                }
                 picture if levels && has_eight_bits(&picture) => {
                     let gray = picture.into_luma8();
                     let size = (gray.width() as usize, gray.height() as usize);
@@ -78,6 +83,16 @@ impl DepthMap {
                 _ => Err(not_depth(place)),
             },
         }
+    }
+}
+
+/// Whether all colors of a picture of 16 bits are gray.
+fn has_sixteen_equal_bits(picture: &DynamicImage) -> bool {
+    match picture {
+        DynamicImage::ImageLumaA16(_) => true,
+        DynamicImage::ImageRgb16(rgb) => rgb.pixels().all(|pixel| pixel.0 == [pixel.0[0]; 3]),
+        DynamicImage::ImageRgba16(rgba) => rgba.pixels().all(|pixel| pixel.0[..3] == [pixel.0[0]; 3]),
+        _ => false,
     }
 }
 

@@ -20,7 +20,7 @@ pub struct NpyArray {
     pub is_whole: bool,
     /// Whether they are half floats.
     pub is_half: bool,
-    /// Whether single precision holds every number of their type.
+    /// Whether single precision holds every whole number of them; other numbers are rounded to it.
     pub is_exact: bool,
 }
 
@@ -70,9 +70,12 @@ pub fn parse(bytes: &[u8], place: &str) -> Result<NpyArray> {
     if header.replace(' ', "").contains("'fortran_order':True") {
         values = (0..width * height).map(|index| values[index % width * height + index / width]).collect();
     }
-    let is_exact = !(descr.ends_with('8') || descr.ends_with("u4") || descr.ends_with("i4"));
+    let is_exact = !is_whole || values.iter().all(|value| value.abs() < LARGEST_WHOLE);
     Ok(NpyArray { size: (width, height), values, is_whole, is_half: descr.ends_with("f2"), is_exact })
 }
+
+/// Whole numbers below this one are exact in single precision.
+const LARGEST_WHOLE: f32 = 16_777_216.0;
 
 type ReadValue = fn(&[u8]) -> f32;
 
@@ -88,7 +91,10 @@ fn reader(descr: &str) -> Option<(usize, ReadValue, bool)> {
         "<i2" => (2, |b| f32::from(i16::from_le_bytes([b[0], b[1]])), true),
         "<u4" => (4, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, true),
         "<i4" => (4, |b| i32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, true),
-        "|u1" => (1, |b| f32::from(b[0]), true),
+        "<u8" => (8, |b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]) as f32, true),
+        "<i8" => (8, |b| i64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]) as f32, true),
+        "|u1" | "|b1" => (1, |b| f32::from(b[0]), true),
+        "|i1" => (1, |b| f32::from(b[0].cast_signed()), true),
         _ => return None,
     })
 }

@@ -5,7 +5,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use image::metadata::Orientation;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use image::{ColorType, DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader, Rgba};
 
 use super::color_tags::ColorTag;
 use super::format::{PictureFormat, format_of};
@@ -64,11 +64,12 @@ pub(crate) fn check(
     turn(stored, tag, expected, rows, place).map(drop)
 }
 
-/// Checks that a picture has 16 bits of gray: `Err(None)` where it has not.
+/// Checks that a picture has 16 bits, of gray or of channels that may all be gray: `Err(None)` where it has not.
 pub(super) fn check_gray16(path: &Path, place: &str) -> Result<(), Option<Error>> {
     let (reader, format) = reader(path, place).map_err(Some)?;
     let decoder = reader.into_decoder().map_err(|error| Some(damaged(place, format, &error)))?;
-    if decoder.color_type() == ColorType::L16 { Ok(()) } else { Err(None) }
+    let has_sixteen = [ColorType::L16, ColorType::La16, ColorType::Rgb16, ColorType::Rgba16];
+    if has_sixteen.contains(&decoder.color_type()) { Ok(()) } else { Err(None) }
 }
 
 /// Whether a picture has an alpha channel.
@@ -188,7 +189,14 @@ pub(crate) fn is_open(path: &Path, expected: (usize, usize), place: &str) -> boo
 fn raster_color(path: &Path, place: &str, is_linear: bool) -> Result<ColorAndAlpha> {
     let picture = decode_any(path, place)?;
     let has_alpha = picture.color().has_alpha();
-    let rgba = picture.into_rgba16();
+    let mut rgba = picture.into_rgba16();
+    if has_alpha && is_multiplied(&rgba) {
+        for Rgba([r, g, b, alpha]) in rgba.pixels_mut().filter(|pixel| pixel.0[3] > 0) {
+            for value in [r, g, b] {
+                *value = (u32::from(*value) * u32::from(u16::MAX) / u32::from(*alpha)).min(65535) as u16;
+            }
+        }
+    }
     let full = f32::from(u16::MAX);
     let table: Vec<f32> = (0..=u16::MAX)
         .map(|value| {
@@ -200,6 +208,36 @@ fn raster_color(path: &Path, place: &str, is_linear: bool) -> Result<ColorAndAlp
     let color = [plane(0), plane(1), plane(2)];
     let alpha = has_alpha.then(|| rgba.pixels().map(|pixel| f32::from(pixel.0[3]) / full).collect());
     Ok((color, alpha))
+}
+
+/// Whether colors are multiplied with alpha, though PNG keeps them apart: no color is brighter than its alpha, and those of half
+/// transparent pixels are as bright as opaque ones beside them once they are divided.
+fn is_multiplied(picture: &ImageBuffer<Rgba<u16>, Vec<u16>>) -> bool {
+    /// Fewer half transparent pixels tell nothing.
+    const LEAST: u32 = 16;
+    let (width, height) = picture.dimensions();
+    let brightest = |pixel: &Rgba<u16>| pixel.0[..3].iter().copied().max().unwrap_or(0);
+    // A rounding of 8 bits is allowed.
+    if picture.pixels().any(|pixel| u32::from(brightest(pixel)) > u32::from(pixel.0[3]) + 257) {
+        return false;
+    }
+    let (mut count, mut as_kept, mut as_multiplied) = (0, 0.0, 0.0);
+    for (x, y, pixel) in picture.enumerate_pixels() {
+        let alpha = f64::from(pixel.0[3]) / 65535.0;
+        if !(0.1..0.9).contains(&alpha) {
+            continue;
+        }
+        let beside = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
+        let is_inside = |(x, y): &(u32, u32)| *x < width && *y < height;
+        let beside = beside.into_iter().filter(is_inside).map(|(x, y)| picture.get_pixel(x, y));
+        for opaque in beside.filter(|pixel| pixel.0[3] == u16::MAX) {
+            let [own, other] = [pixel, opaque].map(|pixel| f64::from(brightest(pixel)));
+            count += 1;
+            as_kept += (own - other).abs();
+            as_multiplied += (own / alpha - other).abs();
+        }
+    }
+    count >= LEAST && as_multiplied < 0.5 * as_kept
 }
 
 /// Color and alpha of a TIFF picture; gray becomes all three colors.
@@ -218,11 +256,11 @@ fn tiff_color(picture: TiffSamples, is_linear: Option<bool>) -> ColorAndAlpha {
     (color, alpha)
 }
 
-/// A gray picture of 8 bits, as masks and confidence are: columns, rows and values row by row.
+/// A gray picture of 8 bits, as confidence is: columns, rows and values row by row.
 pub(crate) fn gray(path: &Path, place: &str) -> Result<((usize, usize), Vec<u8>)> {
     if format_of(path, place)? == PictureFormat::Tiff {
         let TiffSamples { size, channels, values, .. } = TiffSamples::read(path, place)?;
-        // Masks and confidence are numbers, not shares of the largest.
+        // Confidence is a number, not a share of the largest.
         let gray = values.into_iter().step_by(channels).map(|value| value.ceil().clamp(0.0, 255.0) as u8);
         return Ok((size, gray.collect()));
     }

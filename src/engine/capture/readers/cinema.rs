@@ -2,7 +2,7 @@
 //!
 //! Source and columns: see [`crate::capture::cinema`].
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::place::SourceFolder;
 use super::reader::{Description, ReadSource, Reader};
@@ -35,6 +35,13 @@ fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource
     let cameras = table.cameras()?;
     let mut frames = Vec::new();
     let mut names = Names::default();
+    for line in &table.odd_lines {
+        description.skip(
+            "whose row has more or fewer fields than there are columns",
+            format!("{DATA}, line {line}"),
+        );
+    }
+    let mut taken = BTreeSet::new();
     for (row, camera) in table.rows.iter().zip(cameras) {
         let picture = table.text(row, PICTURE_FILE).unwrap_or_default();
         let depth = table.text(row, DEPTH_FILE).filter(|depth| place.join(depth).is_file());
@@ -54,9 +61,14 @@ fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource
             continue;
         };
         let [columns, rows] = [columns, rows].map(f64::from);
+        let (name, time) = (names.of(&camera), table.number(row, "time").unwrap_or(0.0));
+        if !taken.insert((name.clone(), time.to_bits())) {
+            description.skip("of a place and a time that another row has", picture);
+            continue;
+        }
         let keys = Keys {
-            camera: Some(names.of(&camera)),
-            frame: Some(table.number(row, "time").unwrap_or(0.0)),
+            camera: Some(name),
+            frame: Some(time),
             camera_model: camera.parallel_scale.map(|_| ORTHOGRAPHIC.to_owned()),
             ..lens(focal, focal, 0.5 * columns, 0.5 * rows, 0.5)
         };

@@ -71,6 +71,7 @@ fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource
         up: Some(mean_up(&frames).unwrap_or(DVec3::NEG_Y).to_array()),
         // COLMAP reads the rows as they are stored.
         picture_orientation: Some(PictureRows::AsStored),
+        noise_free: Some(false),
         ..Keys::default()
     };
     description.up_is_estimated = true;

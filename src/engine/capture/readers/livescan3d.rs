@@ -103,7 +103,7 @@ fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource
         frames.extend(pictures_of(place, &name, pose, &calibration, &mut description)?);
         inputs.push(calibration);
     }
-    let keys = Keys { depth_unit_scale_factor: Some(1e-3), ..Keys::default() };
+    let keys = Keys { depth_unit_scale_factor: Some(1e-3), noise_free: Some(false), ..Keys::default() };
     rig_or_recording(place, keys, frames, description, inputs)
 }
 

@@ -65,7 +65,8 @@ fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource
         });
         inputs.push(path);
     }
-    let keys = Keys { depth_unit_scale_factor: Some(1e-3), up: Some([0.0, 1.0, 0.0]), ..Keys::default() };
+    let (depth_unit_scale_factor, up) = (Some(1e-3), Some([0.0, 1.0, 0.0]));
+    let keys = Keys { depth_unit_scale_factor, up, noise_free: Some(false), ..Keys::default() };
     recording(place, keys, frames, description, inputs)
 }
 

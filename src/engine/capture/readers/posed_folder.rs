@@ -13,9 +13,9 @@ use glam::DVec3;
 use super::place::SourceFolder;
 use super::reader::{Description, ReadSource};
 use super::text::TextFile;
-use super::views::{json, lens, mean_up, nearest_axis, recording};
-use crate::capture::transforms::{Keys, PictureEntry};
-use crate::error::Result;
+use super::views::{INTRINSICS, json, lens, mean_up, nearest_axis, recording};
+use crate::capture::transforms::{Keys, PictureEntry, picture_size};
+use crate::error::{Error, Result};
 
 /// What was found so far.
 pub(super) struct Found<'a> {
@@ -27,6 +27,20 @@ pub(super) struct Found<'a> {
     pub(super) keys: Keys,
     frames: Vec<PictureEntry>,
 }
+
+/// The lens of a benchmark, for folders in its layout that do not state their own.
+pub(super) struct Benchmark {
+    /// Whose lens it is, in words.
+    pub(super) name: &'static str,
+    /// Columns and rows of its pictures.
+    pub(super) size: (usize, usize),
+    /// `fx fy cx cy`, pixel centers at whole numbers.
+    pub(super) lens: [f64; 4],
+}
+
+/// The sensor of the first Kinect, by what its programs take for its lens.
+pub(super) const PRIME_SENSE: Benchmark =
+    Benchmark { name: "the default of the sensor", size: (640, 480), lens: [525.0, 525.0, 319.5, 239.5] };
 
 /// Reads such a place, of which `find` finds lens and pictures.
 pub(super) fn posed(
@@ -83,6 +97,47 @@ impl Found<'_> {
     /// Takes a pinhole `fx fy cx cy` for all pictures, pixel centers at whole numbers, and meters for a unit of depth.
     pub(super) fn set_lens(&mut self, [fx, fy, cx, cy]: [f64; 4], meters: f64) {
         self.keys = Keys { depth_unit_scale_factor: Some(meters), ..lens(fx, fy, cx, cy, 0.0) };
+    }
+
+    /// Takes the lens that no file states but [`INTRINSICS`], or else that of the benchmark whose layout this is, for its pictures alone.
+    ///
+    /// # Errors
+    /// `Unsupported` where no file states it and pictures have another size; `Io` and `Invalid` where one cannot be read.
+    pub(super) fn set_lens_of(&mut self, benchmark: &Benchmark, meters: f64) -> Result<()> {
+        if let Some(path) = self.here_or_above(INTRINSICS) {
+            let numbers = self.numbers(&path)?;
+            let [fx, _, cx, _, fy, cy, ..] = numbers[..] else {
+                return Err(Error::invalid(path.display(), "there are no 3×3 numbers"));
+            };
+            self.description.lens = format!("{INTRINSICS}: {numbers:?}");
+            self.set_lens([fx, fy, cx, cy], meters);
+            return Ok(());
+        }
+        let Benchmark { name, size: (columns, rows), lens: [fx, fy, cx, cy] } = *benchmark;
+        self.description.lens = format!("{fx} {fy} {cx} {cy}, of {name}, as no file states it");
+        self.set_lens(benchmark.lens, meters);
+        let first =
+            self.frames.iter().map(|entry| self.place.join(&entry.file_path)).find(|path| path.is_file());
+        let Some(first) = first else { return Ok(()) };
+        let (width, height) = picture_size(&first, None, None, &first.display().to_string())?;
+        if (width, height) == (columns, rows) {
+            return Ok(());
+        }
+        let scale = width as f64 / columns as f64;
+        let is_scaled = (rows as f64 * scale - height as f64).abs() < 1.0;
+        let center = |at: f64| (at + 0.5) * scale - 0.5;
+        let made_smaller = format!(
+            "; if these are the benchmark's own pictures in another size, it is {} 0 {} 0 {} {} 0 0 1",
+            fx * scale,
+            center(cx),
+            fy * scale,
+            center(cy)
+        );
+        let what = format!(
+            "no file states the lens, and the one of this layout ({fx} {fy} {cx} {cy}, {name}) is of {columns}×{rows} pixels, while these pictures have {width}×{height}; write your camera's as {INTRINSICS} into the folder: the 9 numbers fx 0 cx 0 fy cy 0 0 1, pixel centers at whole numbers{}",
+            if is_scaled { made_smaller } else { String::new() }
+        );
+        Err(Error::unsupported(self.place.folder.display(), what))
     }
 
     /// Adds a picture, or notes under its name why it is left out.

@@ -6,12 +6,10 @@ use glam::DAffine3;
 use serde::Deserialize;
 
 use super::place::{SourceFolder, names_in};
-use super::posed_folder::{Found, posed};
+use super::posed_folder::{Benchmark, Found, posed};
 use super::reader::Reader;
 use super::text::TextFile;
-use super::views::{
-    INTRINSICS, MILLIMETERS, OPENCV_POSES, colors_in, entry, lens, number_in, pose_of_rows, stem,
-};
+use super::views::{MILLIMETERS, OPENCV_POSES, colors_in, entry, lens, number_in, pose_of_rows, stem};
 use crate::capture::transforms::{DepthCameraKeys, Keys, PictureEntry};
 use crate::error::{Error, Result};
 
@@ -79,6 +77,10 @@ pub(super) const SEVEN_SCENES: Reader = Reader {
     read: |place, description| posed(place, description, find_seven_scenes),
 };
 
+/// The nominal lens, as published for both cameras.
+const KINECT: Benchmark =
+    Benchmark { name: "7-Scenes", size: (640, 480), lens: [585.0, 585.0, 320.0, 240.0] };
+
 fn is_pose(name: &str) -> bool {
     name.ends_with(".pose.txt")
 }
@@ -113,16 +115,7 @@ fn find_seven_scenes(found: &mut Found<'_>) -> Result<()> {
             found.add(color, picture.ok_or("without a rigid pose"));
         }
     }
-    let mut numbers = [585.0, 585.0, 320.0, 240.0];
-    found.description.lens = format!("nominal: {numbers:?}, as published for both cameras");
-    if let Some(path) = found.here_or_above(INTRINSICS) {
-        let [fx, _, cx, _, fy, cy, ..] = found.numbers(&path)?[..] else {
-            return Err(Error::invalid(path.display(), "there are no 3×3 numbers"));
-        };
-        numbers = [fx, fy, cx, cy];
-        found.description.lens = format!("{INTRINSICS}: {numbers:?}");
-    }
-    found.set_lens(numbers, 1e-3);
+    found.set_lens_of(&KINECT, 1e-3)?;
     found.keys.depth_invalid_value = Some(65535.0);
     Ok(())
 }
@@ -158,18 +151,14 @@ struct ReplicaCamera {
 }
 
 /// What all scenes were rendered with.
-const ALL_SCENES: ReplicaCamera = ReplicaCamera { fx: 600.0, fy: 600.0, cx: 599.5, cy: 339.5, scale: 6553.5 };
+const ALL_SCENES: Benchmark =
+    Benchmark { name: "Replica", size: (1200, 680), lens: [600.0, 600.0, 599.5, 339.5] };
+/// Units of their depth in a meter.
+const UNITS_OF_ALL: f64 = 6553.5;
 
 fn find_replica(found: &mut Found<'_>) -> Result<()> {
     let path = found.place.join("traj.txt");
     found.inputs.push(path.clone());
-    let ReplicaCamera { fx, fy, cx, cy, scale } = match found.here_or_above("cam_params.json") {
-        Some(path) => found.json::<ReplicaParameters>(&path)?.camera,
-        None => ALL_SCENES,
-    };
-    found.description.depth = format!("planar z in 1/{scale} m, 16-bit PNG; 0 is no depth");
-    found.description.lens = format!("{fx} {fy} {cx} {cy}");
-    found.set_lens([fx, fy, cx, cy], 1.0 / scale);
     let trajectory = TextFile::read(&path)?;
     let poses: Vec<[f64; 16]> = trajectory.lines().map(|line| line.numbers(0)).collect::<Result<_>>()?;
     let colors = colors_in(&found.place.join("results"));
@@ -181,6 +170,15 @@ fn find_replica(found: &mut Found<'_>) -> Result<()> {
         let picture = pose.map(|pose| entry(format!("results/{name}"), Some(depth), &pose));
         found.add(name, picture.ok_or("without depth or a rigid pose"));
     }
+    let camera = found.here_or_above("cam_params.json");
+    let camera = camera.map(|path| found.json::<ReplicaParameters>(&path)).transpose()?;
+    let scale = camera.as_ref().map_or(UNITS_OF_ALL, |it| it.camera.scale);
+    found.description.depth = format!("planar z in 1/{scale} m, 16-bit PNG; 0 is no depth");
+    let Some(ReplicaParameters { camera: ReplicaCamera { fx, fy, cx, cy, .. } }) = camera else {
+        return found.set_lens_of(&ALL_SCENES, 1.0 / scale);
+    };
+    found.description.lens = format!("{fx} {fy} {cx} {cy}");
+    found.set_lens([fx, fy, cx, cy], 1.0 / scale);
     Ok(())
 }
 

@@ -5,12 +5,11 @@ use std::path::Path;
 use glam::{DAffine3, DMat4};
 use serde::Deserialize;
 
-use super::posed_folder::{Found, posed};
+use super::posed_folder::{Benchmark, Found, PRIME_SENSE, posed};
 use super::reader::Reader;
 use super::text::{TextFile, TextLine};
 use super::views::{
-    INTRINSICS, MILLIMETERS, OPENCV_POSES, colors_in, entry, json, pictures_in, pose_of_quaternion,
-    pose_of_rows,
+    MILLIMETERS, OPENCV_POSES, colors_in, entry, json, pictures_in, pose_of_quaternion, pose_of_rows,
 };
 use crate::error::{Error, Result};
 use crate::plural::counted;
@@ -75,7 +74,6 @@ fn find_redwood(found: &mut Found<'_>) -> Result<()> {
     let place = found.place;
     let log = place.join(place.file.as_deref().or_else(|| place.first_of(&LOGS)).unwrap_or(LOGS[0]));
     found.inputs.push(log.clone());
-    set_redwood_lens(found)?;
     let is_json = log.extension().is_some_and(|ending| ending == "json");
     let poses = if is_json { poses_of_json(&log)? } else { poses_of_log(&log)? };
     let folder = place.first_of(&["color", "image", "rgb"]).unwrap_or("color");
@@ -83,14 +81,12 @@ fn find_redwood(found: &mut Found<'_>) -> Result<()> {
         let (_, pose) = poses.iter().find(|(number, _)| *number == index).ok_or("without a pose")?;
         if has_depth { pose.ok_or("without a rigid pose") } else { Err("without depth") }
     });
-    Ok(())
+    set_redwood_lens(found)
 }
 
 fn set_redwood_lens(found: &mut Found<'_>) -> Result<()> {
     let Some(name) = found.place.first_of(&LENSES) else {
-        found.description.lens = String::from("the sensor's default: 525 525 319.5 239.5");
-        found.set_lens([525.0, 525.0, 319.5, 239.5], 1.0 / 1000.0);
-        return Ok(());
+        return found.set_lens_of(&PRIME_SENSE, 1.0 / 1000.0);
     };
     let path = found.place.join(name);
     let RedwoodIntrinsics { intrinsic_matrix, depth_scale } = found.json(&path)?;
@@ -155,6 +151,9 @@ pub(super) const POSE_LIST: Reader = Reader {
 
 /// Names of the files of poses.
 const LISTS: [&str; 2] = ["pose.txt", "poses.txt"];
+/// The lens of the book's Kinect.
+const BOOK: Benchmark =
+    Benchmark { name: "the book's Kinect", lens: [518.0, 519.0, 325.5, 253.5], ..PRIME_SENSE };
 /// Names of the folders of color.
 const COLORS: [&str; 2] = ["color", "rgb"];
 
@@ -167,17 +166,7 @@ fn find_pose_list(found: &mut Found<'_>) -> Result<()> {
     add_in_order(found, folder, |index, has_depth| {
         poses.get(index).copied().flatten().filter(|_| has_depth).ok_or("without depth or a pose")
     });
-    found.description.lens =
-        String::from("518 519 325.5 253.5, the book's Kinect, as the folder has no lens");
-    found.set_lens([518.0, 519.0, 325.5, 253.5], 1e-3);
-    let path = found.place.join(INTRINSICS);
-    let numbers = path.is_file().then(|| TextFile::read(&path)?.numbers()).transpose()?.unwrap_or_default();
-    if let [fx, _, cx, _, fy, cy, _, _, _, ..] = numbers[..] {
-        found.inputs.push(path);
-        found.description.lens = format!("{INTRINSICS}: {numbers:?}");
-        found.set_lens([fx, fy, cx, cy], 1e-3);
-    }
-    Ok(())
+    found.set_lens_of(&BOOK, 1e-3)
 }
 
 /// `None` where it is not rigid.

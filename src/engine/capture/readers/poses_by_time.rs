@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::posed_folder::{Found, posed};
+use super::posed_folder::{Benchmark, Found, PRIME_SENSE, posed};
 use super::reader::{Description, Reader};
 use super::text::TextFile;
-use super::views::{entry, pose_of_quaternion};
+use super::views::{INTRINSICS, entry, pose_of_quaternion};
 use crate::capture::trajectory::{Trajectory, nearest};
 use crate::capture::transforms::LensKeys;
 use crate::error::{Error, Result};
@@ -72,8 +72,7 @@ fn find_tum(found: &mut Found<'_>) -> Result<()> {
         found.add(file_path, picture);
     }
     let folder_name = place.folder.file_name().unwrap_or_default().to_string_lossy();
-    set_lens(found, &format!("{folder_name} {name}").to_ascii_lowercase());
-    Ok(())
+    set_lens(found, &format!("{folder_name} {name}").to_ascii_lowercase())
 }
 
 /// The pictures of a list by time, and the text of the list's comments.
@@ -111,18 +110,20 @@ fn trajectory(path: &Path, description: &mut Description) -> Result<Trajectory> 
 }
 
 /// Takes the lens of the sensor that is among the names, which are in small letters.
-fn set_lens(found: &mut Found<'_>, names: &str) {
+fn set_lens(found: &mut Found<'_>, names: &str) -> Result<()> {
     let is_named = |(sensor, _, _): &(&str, [f64; 4], [f64; 5])| {
         names.contains(sensor) || names.contains(&sensor.replace("freiburg", "fr"))
     };
-    let default = ("the default of the sensor", [525.0, 525.0, 319.5, 239.5], [0.0; 5]);
-    let (sensor, lens, bent) = SENSORS.into_iter().find(is_named).unwrap_or(default);
-    found.set_lens(lens, DEPTH_UNIT);
-    let [fx, fy, cx, cy] = lens;
-    found.description.lens = format!("{sensor}: {fx} {fy} {cx} {cy}, distortion {bent:?}");
-    if bent != [0.0; 5] {
+    let Some((name, lens, bent)) = SENSORS.into_iter().find(is_named) else {
+        return found.set_lens_of(&PRIME_SENSE, DEPTH_UNIT);
+    };
+    found.set_lens_of(&Benchmark { name, lens, ..PRIME_SENSE }, DEPTH_UNIT)?;
+    let is_stated = found.here_or_above(INTRINSICS).is_some();
+    if bent != [0.0; 5] && !is_stated {
+        found.description.lens = format!("{}, distortion {bent:?}", found.description.lens);
         let [k1, k2, p1, p2, k3] = bent;
         found.keys.camera_model = Some("OPENCV".to_owned());
         found.keys.lens = LensKeys::of(&[("k1", k1), ("k2", k2), ("p1", p1), ("p2", p2), ("k3", k3)]);
     }
+    Ok(())
 }

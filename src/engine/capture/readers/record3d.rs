@@ -75,6 +75,7 @@ fn read(place: &SourceFolder, mut description: Description) -> Result<ReadSource
         depth_channel: Some("R".to_owned()),
         depth_kind: Some("planar_z".to_owned()),
         depth_invalid_value: Some(0.0),
+        noise_free: Some(false),
         up: Some([0.0, 1.0, 0.0]),
         ..lens(fx, fy, cx, cy, 0.5)
     };

@@ -150,7 +150,7 @@ impl CameraFiles {
         left_out.by_pose(&mut entries, faults);
         if entries.iter().all(|entry| entry.keys.frame.or(entry.keys.time).is_none()) {
             let names: Vec<String> = entries.iter().map(|entry| entry.camera_name.clone()).collect();
-            frame_numbers::refuse_gaps(&manifest.frames, &names, path)?;
+            warnings.extend(frame_numbers::pairing(&manifest.frames, &names, path)?);
         }
         let times =
             entries.iter().filter(|_| is_ranked).filter_map(|entry| Some((entry.number, entry.keys.time?)));

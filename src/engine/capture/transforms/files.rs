@@ -329,7 +329,11 @@ fn with_extension(path: PathBuf, others: &[&Path]) -> PathBuf {
 
 /// The last part of a picture's name without the extension of a picture.
 pub(crate) fn without_extension(name: &str) -> &str {
-    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    path_without_extension(name.rsplit(['/', '\\']).next().unwrap_or(name))
+}
+
+/// A picture's name without the extension of a picture.
+pub(super) fn path_without_extension(name: &str) -> &str {
     let known =
         |extension: &str| PICTURE_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known));
     name.rsplit_once('.').filter(|(_, extension)| known(extension)).map_or(name, |(stem, _)| stem)

@@ -1,14 +1,14 @@
-//! Which frame a picture is: by its `frame` or `time`, by the number in its file's name, or by its place in the list.
+//! Which frame a picture is: by its `frame` or `time`, by a number in its file's name, or by its place in the list.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::files::without_extension;
 use super::manifest::{Keys, Manifest, PictureEntry};
+use super::numbers_in_names::NumbersInNames;
 use crate::error::{Error, Result};
 
 /// The number of every entry's frame: its `frame`, or its `time` where these are whole, their rank where they are fractions (as
-/// nerfstudio's 0 to 1); without any, the order of the numbers that file names end in, or else of appearance within the camera.
+/// nerfstudio's 0 to 1); without any, the numbers in file names, or else the order of appearance within the camera.
 ///
 /// # Errors
 /// `Invalid` if only some entries have a frame, or some have frames and some have fractions of time.
@@ -20,7 +20,8 @@ pub(crate) fn frame_numbers(
 ) -> Result<Vec<i64>> {
     let given: Vec<f64> = keys.iter().filter_map(|keys| keys.frame.or(keys.time)).collect();
     if given.is_empty() {
-        return Ok(numbers_by_name(entries, cameras).unwrap_or_else(|| numbers_by_appearance(cameras)));
+        let by_name = NumbersInNames::find(entries, cameras).map(|numbers| numbers.frames(cameras));
+        return Ok(by_name.unwrap_or_else(|| numbers_by_appearance(cameras)));
     }
     let refuse = |what: &str| Err(Error::invalid(path.display(), what));
     if given.len() < keys.len() {
@@ -62,62 +63,34 @@ fn numbers_by_appearance(cameras: &[String]) -> Vec<i64> {
     cameras.iter().map(String::as_str).map(next).collect()
 }
 
-/// The numbers in the names of each camera's files, by the camera's name.
-type ByCamera<'a> = Vec<(&'a str, BTreeSet<u64>)>;
-
-/// The numbers that the names of each camera's files end in, cameras in order of appearance; `None` where a name has none, a
-/// camera has one twice, or no camera has several pictures.
-fn numbers_in_names<'a>(entries: &[PictureEntry], cameras: &'a [String]) -> Option<(Vec<u64>, ByCamera<'a>)> {
-    let numbers: Vec<u64> =
-        entries.iter().map(|entry| number_in_name(&entry.file_path)).collect::<Option<_>>()?;
-    let mut index_of: BTreeMap<&str, usize> = BTreeMap::new();
-    let mut sets: ByCamera = Vec::new();
-    for (camera, number) in cameras.iter().zip(&numbers) {
-        let index = *index_of.entry(camera).or_insert(sets.len());
-        if index == sets.len() {
-            sets.push((camera, BTreeSet::new()));
-        }
-        if !sets[index].1.insert(*number) {
-            return None;
-        }
+/// How frames are paired where neither the manifest nor names say it; `None` where they do, or nothing is to be paired.
+///
+/// # Errors
+/// `Invalid` for cameras whose file names share some numbers and not all: counted by order, pictures of different frames would be taken
+/// for one.
+pub(crate) fn pairing(entries: &[PictureEntry], cameras: &[String], path: &Path) -> Result<Option<String>> {
+    let distinct: BTreeSet<&String> = cameras.iter().collect();
+    if distinct.len() < 2 || distinct.len() == cameras.len() {
+        return Ok(None);
     }
-    sets.iter().any(|(_, numbers)| numbers.len() > 1).then_some((numbers, sets))
-}
-
-fn number_in_name(file_path: &str) -> Option<u64> {
-    let name = without_extension(file_path);
-    let start = name
-        .rfind(|letter: char| !letter.is_ascii_digit())
-        .map_or(0, |at| at + name[at..].chars().next().map_or(0, char::len_utf8));
-    name[start..].parse().ok()
-}
-
-/// The order of the numbers that file names end in, where all cameras have the same.
-fn numbers_by_name(entries: &[PictureEntry], cameras: &[String]) -> Option<Vec<i64>> {
-    let (numbers, sets) = numbers_in_names(entries, cameras)?;
-    let (_, first) = sets.first()?;
-    let are_same = sets.iter().all(|(_, numbers)| numbers == first);
-    are_same.then(|| numbers.iter().map(|number| first.range(..number).count() as i64).collect())
-}
-
-/// Refuses cameras whose file names share some numbers and not all, where nothing else numbers the frames: counted by order,
-/// pictures of different frames would be taken for one frame.
-pub(crate) fn refuse_gaps(entries: &[PictureEntry], cameras: &[String], path: &Path) -> Result<()> {
-    let Some((_, sets)) = numbers_in_names(entries, cameras) else { return Ok(()) };
-    let all: BTreeSet<u64> = sets.iter().flat_map(|(_, numbers)| numbers).copied().collect();
-    let are_disjoint = sets.iter().map(|(_, numbers)| numbers.len()).sum::<usize>() == all.len();
-    let missing = |(camera, numbers): &(&str, BTreeSet<u64>)| {
-        Some(((*camera).to_owned(), *all.difference(numbers).next()?))
-    };
-    match sets.iter().find_map(missing) {
-        Some((camera, number)) if !are_disjoint => Err(Error::invalid(
-            path.display(),
-            format!(
+    let by = match NumbersInNames::find(entries, cameras) {
+        None => "their place in the list, as no number in the names of files",
+        Some(numbers) if numbers.are_same() => return Ok(None),
+        Some(numbers) if numbers.are_disjoint() => {
+            "the order of the numbers in the names of each camera's files, as none of them"
+        }
+        Some(numbers) => {
+            let (camera, number) = numbers.missing().unwrap_or_default();
+            let what = format!(
                 "camera '{camera}' has no picture with number {number} in its name, as others have; give every entry the number of its frame as \"frame\", or take out the pictures that not every camera has"
-            ),
-        )),
-        _ => Ok(()),
-    }
+            );
+            return Err(Error::invalid(path.display(), what));
+        }
+    };
+    Ok(Some(format!(
+        "{}: the frames of different cameras are paired by {by} is the same in all cameras; where that is wrong, give every entry the number of its frame as \"frame\"",
+        path.display()
+    )))
 }
 
 /// Refuses views whose times are fractions; where those of their capture are, so that a time of 1 may mean frame 1 or the last one,

@@ -9,6 +9,9 @@ use crate::error::{Error, Result};
 /// Focal lengths beyond this many pixels see less than a thousandth of a degree.
 const MAX_FOCAL_PX: f64 = 1e9;
 
+/// Focal lengths below this share of a pinhole's picture see more than 160°: they are shares or millimeters.
+const LEAST_FOCAL: f64 = 0.088;
+
 /// Intrinsics from the manifest's keys; `size` is that of the picture, for manifests that do not give one, and `pixel_aspect` the
 /// width of its pixels over their height, for those that give one focal length for both directions.
 ///
@@ -59,6 +62,17 @@ pub(super) fn intrinsics(
                 format!("{name} is {focal}, which is no focal length in pixels"),
             ));
         }
+    }
+    if projection == Projection::Perspective
+        && fx < LEAST_FOCAL * w
+        && fy < LEAST_FOCAL * h
+        && matches!(keys.distortion(place), Ok(None))
+    {
+        let angle = 2.0 * (0.5 * w / fx).atan().to_degrees();
+        let what = format!(
+            "fl_x is {fx}, an angle of view of {angle:.0}° over {w} pixels; it is in pixels: multiply a share of the width by {w}, and millimeters by {w} and divide by the sensor's width in millimeters"
+        );
+        return Err(Error::invalid(place, what));
     }
     let offset = keys.pixel_center_offset.unwrap_or(0.5);
     if !(0.0..=1.0).contains(&offset) {

@@ -50,7 +50,7 @@ impl PictureParts {
     }
 }
 
-/// Takes the depth of pixels whose mask is 0. A mask covers the picture as it was taken, and may have another size.
+/// Takes the depth of pixels that a mask leaves out. It covers the picture as it was taken, and may have another size.
 fn mask_out(
     path: &Path,
     files: &PictureFiles,
@@ -59,15 +59,15 @@ fn mask_out(
     depth: &mut [f32],
 ) -> Result<()> {
     let place = &format!("{place}, mask {}", path.display());
-    let ((columns, rows), mask) = pictures::gray(path, place)?;
+    let ((columns, rows), mask) = pictures::mask(path, place)?;
     let (width, height) = camera.intrinsics.size();
     let at = |index: usize| mask[index / width * rows / height * columns + index % width * columns / width];
-    let scaled: Vec<u8> = (0..width * height).map(at).collect();
+    let scaled: Vec<bool> = (0..width * height).map(at).collect();
     let mask = match &files.distortion {
-        Some(distortion) => pictures::sources(&camera.intrinsics, distortion).nearest(&scaled, 0),
+        Some(distortion) => pictures::sources(&camera.intrinsics, distortion).nearest(&scaled, false),
         None => scaled,
     };
-    for (inverse, _) in depth.iter_mut().zip(mask).filter(|(_, mask)| *mask == 0) {
+    for (inverse, _) in depth.iter_mut().zip(mask).filter(|(_, counts)| !counts) {
         *inverse = INVALID_INVERSE_DEPTH;
     }
     Ok(())

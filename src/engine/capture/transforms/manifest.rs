@@ -318,15 +318,49 @@ pub(super) fn present<'de, D: Deserializer<'de>>(
     NormalSpaceName::deserialize(deserializer).map(Some)
 }
 
-/// Rows as they are; of a list of 12 or 16 numbers the rows one after the other, four numbers each.
+/// A number of a pose. What is none (null, or the words that stand for Python's NaN and Infinity) is NaN: such a pose is left out, and the
+/// other pictures stay.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "it must hold numbers; export the camera again")]
+enum PoseNumber {
+    Number(f64),
+    Word(NoNumber),
+    Null(()),
+}
+
+#[derive(Deserialize)]
+enum NoNumber {
+    NaN,
+    Infinity,
+    #[serde(rename = "-Infinity")]
+    MinusInfinity,
+}
+
+impl PoseNumber {
+    fn value(&self) -> f64 {
+        match self {
+            Self::Number(value) => *value,
+            Self::Word(NoNumber::NaN | NoNumber::Infinity | NoNumber::MinusInfinity) | Self::Null(()) => {
+                f64::NAN
+            }
+        }
+    }
+}
+
+/// Rows as they are; of a list of 12 or 16 numbers the rows one after the other, four numbers each; none where there is no matrix.
 pub(super) fn rows<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<f64>>, D::Error> {
     let value = Value::deserialize(deserializer)?;
-    let is_flat = value.as_array().is_some_and(|list| list.first().is_some_and(Value::is_number));
     let named = |error: serde_json::Error| serde::de::Error::custom(format!("\"transform_matrix\": {error}"));
-    if !is_flat {
-        return Vec::<Vec<f64>>::deserialize(value).map_err(named);
+    let numbers = |values: Vec<PoseNumber>| values.iter().map(PoseNumber::value).collect::<Vec<f64>>();
+    if value.is_null() {
+        return Ok(Vec::new());
     }
-    let numbers = Vec::<f64>::deserialize(value).map_err(named)?;
+    let is_flat = value.as_array().and_then(|list| list.first()).is_some_and(|first| !first.is_array());
+    if !is_flat {
+        let rows = Vec::<Vec<PoseNumber>>::deserialize(value).map_err(named)?;
+        return Ok(rows.into_iter().map(numbers).collect());
+    }
+    let numbers = numbers(Vec::deserialize(value).map_err(named)?);
     if !matches!(numbers.len(), 12 | 16) {
         let what =
             "\"transform_matrix\": it must have 4 rows of 4 numbers, or all 16 in one list, row by row";

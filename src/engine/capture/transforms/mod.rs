@@ -26,6 +26,7 @@ mod load;
 mod manifest;
 mod manifest_file;
 mod normal_file;
+mod numbers_in_names;
 mod other_pictures;
 mod path;
 mod pictures_by_pose;
@@ -47,6 +48,7 @@ pub(crate) use colmap_keys::keys_of_colmap;
 pub(crate) use depth_camera::DepthCameraKeys;
 pub use files::picture_places;
 pub(crate) use files::places_of;
+pub(crate) use header_probe::picture_size;
 pub(crate) use left_out::is_recording;
 pub(crate) use lens::LensKeys;
 pub(crate) use manifest::{Keys, Manifest, NormalSpaceName, PictureEntry};
@@ -144,8 +146,9 @@ fn open_manifest(
     // Renderers filter color unless the manifest denies it.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
     let values = value_file::channels(&recording, &path.display().to_string())?;
-    let is_noise_free = keys().all(|keys| keys.noise_free == Some(true));
-    let source = Arc::new(FileSource { recording, has_normals, values, is_noise_free });
+    let is_noise_free = keys().all(|keys| keys.noise_free == Some(true)).then_some(true);
+    let noise_free = keys().find_map(|keys| keys.noise_free.filter(|is_free| !is_free)).or(is_noise_free);
+    let source = Arc::new(FileSource { recording, has_normals, values, noise_free });
     let recording = &source.recording;
     let capture = Capture::new(
         CaptureParts {

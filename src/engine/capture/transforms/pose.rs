@@ -11,6 +11,8 @@ use crate::error::{Error, Result};
 
 /// How far the axes of a pose may be from orthonormal: matrices are often written with six digits, or were `f32`.
 const RIGID_TOLERANCE: f64 = 1e-3;
+/// How far rounding to three digits takes them, and to two: by twice the half of the last digit, times the sum of an axis.
+const RIGID_TOLERANCE_OF_DIGITS: [(f64, f64); 2] = [(1e3, 1.75e-3), (1e2, 1.75e-2)];
 /// How far the last row of a pose may be from 0 0 0 1: programs that invert matrices leave rounding there.
 const LAST_ROW_TOLERANCE: f64 = 1e-6;
 /// Farthest camera that is believed: beyond it, `f32` world coordinates hold no detail, and sums overflow.
@@ -66,13 +68,21 @@ pub(super) fn checked(rows: &[Vec<f64>], convention: PoseConvention) -> Result<D
     }
     let matrix = DMat3::from_cols(column(0), column(1), column(2));
     let product = matrix.transpose() * matrix;
-    if !product.abs_diff_eq(DMat3::IDENTITY, RIGID_TOLERANCE) {
+    if !product.abs_diff_eq(DMat3::IDENTITY, rigid_tolerance(&matrix)) {
         return refuse("is not a rotation and a translation; export it without scale, shear or mirroring");
     }
     if matrix.determinant() < 0.0 && convention.axes.is_right_handed() {
         return refuse(MIRRORS);
     }
     Ok(convention.world_from_camera(&DAffine3::from_mat3_translation(orthonormal(matrix), eye)))
+}
+
+/// How far a matrix may be from a rotation: farther where it was written with few digits.
+fn rigid_tolerance(matrix: &DMat3) -> f64 {
+    // A single has seven digits.
+    let is_whole = |value: f64| (value - value.round()).abs() < 1e-4;
+    let is_of = |(scale, _): &&(f64, f64)| matrix.to_cols_array().iter().all(|value| is_whole(value * scale));
+    RIGID_TOLERANCE_OF_DIGITS.iter().rev().find(is_of).map_or(RIGID_TOLERANCE, |(_, tolerance)| *tolerance)
 }
 
 /// Whether the rows of a pose mirror.
@@ -164,5 +174,24 @@ mod tests {
         );
         assert!(world_from_camera(&change(3, 2, 1e-3), PoseConvention::default(), "").is_err());
         assert!(world_from_camera(&good[..3], PoseConvention::default(), "").is_ok());
+    }
+
+    #[test]
+    fn a_rotation_of_few_digits_becomes_the_nearest_one() {
+        let turn = DMat3::from_rotation_z(0.6) * DMat3::from_rotation_x(1.1);
+        let rounded = |digits: i32, by: f64| {
+            let scale = 10_f64.powi(digits);
+            let mut rows = opengl_matrix(&DAffine3::from_mat3(turn * by));
+            for value in rows.iter_mut().flatten() {
+                *value = (*value * scale).round() / scale;
+            }
+            world_from_camera(&rows, PoseConvention::default(), "")
+        };
+        for (digits, off) in [(2, 0.01), (3, 0.001), (7, 1e-6)] {
+            let matrix = rounded(digits, 1.0).unwrap().matrix3;
+            assert!((matrix.transpose() * matrix).abs_diff_eq(DMat3::IDENTITY, 1e-12), "{digits}");
+            assert!(matrix.abs_diff_eq(turn, off), "{digits}");
+        }
+        assert!(rounded(7, 1.005).is_err() && rounded(3, 1.02).is_err(), "a scale is no rounding");
     }
 }

@@ -19,8 +19,8 @@ pub(super) struct FileSource {
     pub has_normals: bool,
     /// The channels of values.
     pub values: Vec<ValueChannel>,
-    /// Whether the manifest says that there is no noise.
-    pub is_noise_free: bool,
+    /// Whether the manifest says that there is no noise, or that there is some.
+    pub noise_free: Option<bool>,
 }
 
 impl FileSource {
@@ -65,7 +65,11 @@ impl FrameSource for FileSource {
     }
 
     fn is_noise_free(&self) -> bool {
-        self.is_noise_free
+        self.noise_free == Some(true)
+    }
+
+    fn is_rendered(&self) -> Option<bool> {
+        self.noise_free
     }
 
     fn value_channels(&self) -> &[ValueChannel] {

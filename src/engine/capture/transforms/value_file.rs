@@ -1,11 +1,13 @@
 //! Scalar values from their files: `NumPy` arrays, and channels of OpenEXR.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use rayon::prelude::*;
 
 use super::cameras::CameraFiles;
 use super::files::PictureFiles;
+use super::placed_entry::PlacedEntry;
 use super::value_keys::ValueKeys;
 use super::value_places::{ValueFile, listed};
 use crate::capture::camera::{Camera, wrong_size};
@@ -49,7 +51,7 @@ fn plane(value: &ValueFile, color: &Path, camera: &Camera, place: &str) -> Resul
                 return Err(wrong_size(place, array.size, size));
             }
             if !array.is_exact {
-                let what = "its type holds numbers that single precision does not; save it as float32";
+                let what = format!("it has whole numbers from {LARGEST_WHOLE} on; save it as float32");
                 return Err(Error::unsupported(place, what));
             }
             Ok(array.values)
@@ -81,35 +83,73 @@ fn exr_plane(path: &Path, channel: &str, size: (usize, usize), place: &str) -> R
     Ok(plane)
 }
 
-/// The channels of values of a recording. The first picture of each camera is read where there are any, which measures the ranges that
-/// the manifest lacks.
+/// Pictures that measure the ranges that a manifest lacks, at least: a field may be at rest, or not there yet, in the first of them.
+const MEASURED: usize = 8;
+
+/// The channels of values of a recording. Where there are any, pictures are read that are spread over cameras and frames, which measures
+/// the ranges that the manifest lacks.
 ///
 /// # Errors
-/// As [`listed`] and [`read`]; `Invalid` where a range is not given and the first pictures have no value.
+/// As [`listed`] and [`read`]; `Invalid` where a range is not given and no picture has a value.
 pub(super) fn channels(recording: &CameraFiles, place: &str) -> Result<Vec<ValueChannel>> {
     let keys = recording.entries.iter().flatten().map(|entry| &entry.keys);
     let listed = listed(keys, place)?;
     if listed.is_empty() {
         return Ok(Vec::new());
     }
-    let firsts: Vec<_> = recording.cameras.iter().zip(recording.first_read()).collect();
-    let read = |(camera, entry): &(&Camera, &super::placed_entry::PlacedEntry)| {
-        read(&entry.files, camera, &entry.place)
+    let read = |(camera, entry): &ReadPicture| read(&entry.files, camera, &entry.place);
+    let (spread, rest) = spread(recording);
+    let mut measured: Vec<Values> = spread.par_iter().map(read).collect::<Result<_>>()?;
+    let lacks_values = |measured: &[Values]| {
+        let has = |index| measured.iter().any(|values| values.channel(index).any(f32::is_finite));
+        listed.iter().enumerate().any(|(index, keys)| keys.range.is_none() && !has(index))
     };
-    let firsts: Vec<Values> = firsts.par_iter().map(read).collect::<Result<_>>()?;
-    listed.iter().enumerate().map(|(index, keys)| channel(keys, index, &firsts, place)).collect()
+    for picture in &rest {
+        if !lacks_values(&measured) {
+            break;
+        }
+        measured.push(read(picture)?);
+    }
+    listed.iter().enumerate().map(|(index, keys)| channel(keys, index, &measured, place)).collect()
 }
 
-fn channel(keys: &ValueKeys, index: usize, firsts: &[Values], place: &str) -> Result<ValueChannel> {
+/// A picture that is read, and its camera.
+type ReadPicture<'a> = (&'a Camera, &'a PlacedEntry);
+
+/// One picture of each camera and at least [`MEASURED`] where there are as many, spread over the frames, and all others.
+fn spread(recording: &CameraFiles) -> (Vec<ReadPicture<'_>>, Vec<ReadPicture<'_>>) {
+    let of_camera = |(camera, frames)| {
+        let frames: &Vec<PlacedEntry> = frames;
+        frames.iter().filter(|entry| !entry.is_left_out).map(move |entry| (camera, entry)).collect()
+    };
+    let mut pictures: Vec<Vec<ReadPicture<'_>>> =
+        recording.cameras.iter().zip(&recording.entries).map(of_camera).collect();
+    let cameras = pictures.len();
+    let count = pictures.iter().map(Vec::len).sum::<usize>().min(MEASURED).max(cameras);
+    let mut taken = vec![BTreeSet::new(); cameras];
+    for nth in 0..count {
+        let last = pictures[nth % cameras].len() - 1;
+        taken[nth % cameras].insert(nth * last / (count - 1).max(1));
+    }
+    let (mut spread, mut rest) = (Vec::new(), Vec::new());
+    for (pictures, taken) in pictures.iter_mut().zip(&taken) {
+        for (index, picture) in pictures.drain(..).enumerate() {
+            if taken.contains(&index) { spread.push(picture) } else { rest.push(picture) }
+        }
+    }
+    (spread, rest)
+}
+
+fn channel(keys: &ValueKeys, index: usize, pictures: &[Values], place: &str) -> Result<ValueChannel> {
     let ValueKeys { name, unit, range, tolerance, exact, .. } = keys;
     let measured = || {
-        let values = firsts.iter().flat_map(|values| values.channel(index)).filter(|value| value.is_finite());
+        let values =
+            pictures.iter().flat_map(|values| values.channel(index)).filter(|value| value.is_finite());
         let [low, high] = values
             .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
         let what = || {
-            let what = format!(
-                "the value '{name}' is missing in all first pictures; give its \"range\" in the manifest"
-            );
+            let what =
+                format!("the value '{name}' is missing in all pictures; give its \"range\" in the manifest");
             Error::invalid(place, what)
         };
         if low <= high { Ok([low, high]) } else { Err(what()) }

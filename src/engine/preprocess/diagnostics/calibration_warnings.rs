@@ -110,6 +110,15 @@ const INFORMATIVE_UNMATCHED: u64 = 1000;
 /// A camera is suspect only if its residual exceeds this many times the median of the others.
 const SUSPECT_RATIO: f32 = 8.0;
 
+/// How far two cameras are apart about what never moves: most samples, or no more than is suspect where the median says that surfaces agree.
+fn off(fit: Residual) -> f32 {
+    if fit.median_footprints < AGREEING_MEDIAN_FOOTPRINTS {
+        fit.most_footprints.min(SUSPECT_POSE_FOOTPRINTS)
+    } else {
+        fit.most_footprints
+    }
+}
+
 /// The warning about all cameras together, where not even the two agree that fit best; see [`PairResiduals`] for `pairs`.
 /// `granted_footprints` is how far noise and rounding may put surfaces apart.
 pub(super) fn shared_warning(
@@ -130,13 +139,6 @@ pub(super) fn shared_warning(
     let fits_of = |fit: &dyn Fn(usize, usize) -> Option<(f32, u64)>| -> Vec<(f32, u64)> {
         (0..pairs.cameras()).flat_map(|a| others(a).filter_map(move |b| fit(a, b))).collect()
     };
-    let off = |fit: Residual| {
-        if fit.median_footprints < AGREEING_MEDIAN_FOOTPRINTS {
-            fit.most_footprints.min(SUSPECT_POSE_FOOTPRINTS)
-        } else {
-            fit.most_footprints
-        }
-    };
     let mutual = fits_of(&|a, b| {
         let [there, back] = [one_way(a, b)?, one_way(b, a)?];
         Some((off(there).max(off(back)), there.samples.min(back.samples)))
@@ -152,7 +154,7 @@ pub(super) fn shared_warning(
 /// compared, only clocks are suspect, and all of them; the rest is left to the warning about all cameras.
 #[must_use]
 pub fn calibration_warnings(pairs: &PairTable<PairResiduals>) -> Vec<CalibrationWarning> {
-    let mut calibration_warnings = warnings_over(pairs, false, |pair| Some(pair.lasting?.most_footprints));
+    let mut calibration_warnings = warnings_over(pairs, false, |pair| pair.lasting.map(off));
     let moving = warnings_over(pairs, true, |pair| Some(pair.moving?.median_footprints));
     let wrong_poses = calibration_warnings.len();
     for warning in moving {
