@@ -136,6 +136,8 @@ section! {
         depth_precision: f32 = 0.0625, "footprints", ValueKind::Number { min: 0.001, max: 1.0, log: true };
         /// How samples are coded.
         coding: Coding = Coding::Modeled, "", ValueKind::Choice(Coding::NAMES);
+        /// Whether the store says what became of every pixel, and which camera stands for it: for *See why* without the capture.
+        verdicts: bool = true, "", ValueKind::Switch;
     }
 }
 

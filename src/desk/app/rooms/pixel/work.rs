@@ -17,6 +17,7 @@ use overlook_engine::preprocess::inspect::{
 };
 use overlook_engine::render::output::pick;
 use overlook_engine::samples::SampleSet;
+use overlook_engine::stored_verdicts::explain_stored_pixel;
 
 impl Wanted for ProbeKey {
     fn wanted(state: &State) -> Option<Self> {
@@ -130,7 +131,16 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
             (picked.camera, picked.x, picked.y, picked.point_in_world, values)
         }
     };
-    let explanation = key.inspection.as_ref().and_then(|inspection| explain_pixel(inspection, camera, x, y));
+    let explanation = match &key.scene.content {
+        Content::Capture { .. } => {
+            key.inspection.as_ref().and_then(|inspection| explain_pixel(inspection, camera, x, y))
+        }
+        Content::Store { playback, .. } => {
+            let frame = key.live.as_ref().map_or(key.frame, |(live, _)| live.vantage.frame);
+            // What cannot be read of a store is told where its pictures are painted.
+            explain_stored_pixel(playback, frame, camera, (x, y), &Job::new()).ok().flatten()
+        }
+    };
     let mut point_in_world =
         explanation.as_ref().map_or(seen, |explanation| explanation.point_in_world.or(seen));
     let samples = match &key.scene.content {
