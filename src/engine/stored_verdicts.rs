@@ -97,6 +97,13 @@ mod tests {
         demo.capture(&CaptureSettings::default())
     }
 
+    /// Settings by which verdicts are stored whatever they take.
+    fn all_verdicts() -> Settings {
+        let mut settings = Settings::default();
+        settings.store.verdicts = 4.0;
+        settings
+    }
+
     /// Writes a capture's store, by so many threads.
     fn written(capture: &Capture, settings: &Settings, path: &Path, threads: usize) -> Vec<u8> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -113,7 +120,7 @@ mod tests {
     fn a_store_gives_the_verdict_of_every_pixel_as_its_capture_has_it_whatever_the_threads() {
         let folder = tempfile::tempdir().unwrap();
         for scene in ["nine-cameras", "orrery"] {
-            let (capture, settings, job) = (capture(scene), Settings::default(), Job::new());
+            let (capture, settings, job) = (capture(scene), all_verdicts(), Job::new());
             let path = folder.path().join("scene.ovl");
             let bytes = written(&capture, &settings, &path, 3);
             assert_eq!(written(&capture, &settings, &folder.path().join("again.ovl"), 1), bytes, "{scene}");
@@ -166,14 +173,18 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (capture, job) = (capture("nine-cameras"), Job::new());
         let [with, without, again] = ["with", "without", "again"].map(|name| folder.path().join(name));
-        let settings = Settings::default();
+        let settings = all_verdicts();
         let bytes = written(&capture, &settings, &with, 2);
         let mut bare = settings.clone();
-        bare.store.verdicts = false;
+        bare.store.verdicts = 0.0;
         written(&capture, &bare, &without, 2);
         let read = |path: &Path| crate::store::read(path, &job).unwrap().0.images;
         assert_eq!(read(&with), read(&without));
         assert!(!Store::open(&without).unwrap().has_verdicts());
+        let mut tight = settings.clone();
+        tight.store.verdicts = 0.001;
+        written(&capture, &tight, &without, 2);
+        assert!(!Store::open(&without).unwrap().has_verdicts(), "they take more than that");
         let store = Store::open(&with).unwrap();
         crate::store::write_again(&again, &store, None, &job).unwrap();
         assert_eq!(std::fs::read(&again).unwrap(), bytes);
@@ -186,7 +197,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (capture, job) = (capture("nine-cameras"), Job::new());
         let path = folder.path().join("scene.ovl");
-        let bytes = written(&capture, &Settings::default(), &path, 2);
+        let bytes = written(&capture, &all_verdicts(), &path, 2);
         let start = bytes.windows(4).position(|four| four == b"VERD").unwrap();
         let length = u32::from_be_bytes(bytes[start + 4..start + 8].try_into().unwrap()) as usize;
         let samples = crate::store::read(&path, &job).unwrap().0.images;

@@ -120,7 +120,7 @@ pub fn preprocess_edited(
     edits: &EditList,
     job: &Job,
 ) -> Result<BufferedResult> {
-    let kept = KeptSamples::new(samples_in_memory(settings), settings.store.verdicts);
+    let kept = KeptSamples::new(samples_in_memory(settings), settings.store.verdicts > 0.0);
     preprocess_into(kept, capture, settings, edits, job)
 }
 

@@ -98,7 +98,7 @@ fn each_block(
 }
 
 impl VerdictTable {
-    /// Writes the chunk; nothing where it would be too large for one.
+    /// Writes the chunk; nothing where it would take more than about `most_bytes`, or be too large for one.
     ///
     /// # Errors
     /// `Io`; `Invalid` where a verdict is none of a camera's pixel; `Cancelled`.
@@ -106,6 +106,7 @@ impl VerdictTable {
         form: &mut FormWriter<W>,
         verdicts: &VerdictBuffer,
         cameras: &[Camera],
+        most_bytes: f64,
         job: &Job,
         iff: impl Fn(IffError) -> Error,
     ) -> Result<()> {
@@ -128,7 +129,8 @@ impl VerdictTable {
         let tables = counted.0.iter().map(|counts| PlaneModel::fit(counts));
         let tables = tables.collect::<std::result::Result<Vec<_>, _>>().map_err(invalid)?;
         let bits: f64 = tables.iter().zip(&counted.0).map(|(table, counts)| table.bits(counts)).sum();
-        if bits / 8.0 > MOST_BYTES {
+        let bytes = bits / 8.0 + (verdicts.len() * ENTRY_BYTES) as f64;
+        if bytes > most_bytes.min(MOST_BYTES) {
             return Ok(());
         }
         let mut table = Self { tables, entries: Vec::new() };

@@ -163,12 +163,14 @@ impl Input<'_> {
         let mut values = prepared.values.clone();
         let value_table = values.as_ref().map(|table| form.chunk(VALUES, &table.encode())).transpose();
         let value_table = value_table.map_err(iff)?;
-        let has_verdicts = samples.settings.store.verdicts;
+        let share = f64::from(samples.settings.store.verdicts);
+        let has_verdicts = share > 0.0;
         for (id, payload) in extras.unknown.iter().filter(|(id, _)| has_verdicts || *id != VERDICTS) {
             form.plain_chunk(*id, payload).map_err(iff)?;
         }
         if let Some(verdicts) = extras.verdicts.as_ref().filter(|_| has_verdicts) {
-            VerdictTable::write(&mut form, verdicts, &samples.cameras, job, iff)?;
+            let most_bytes = share * prepared.sample_bytes() as f64;
+            VerdictTable::write(&mut form, verdicts, &samples.cameras, most_bytes, job, iff)?;
         }
         // The index comes before the images, so that opening a store reads its first few kilobytes only; it has its final
         // length from the start and is filled in at the end.
@@ -302,6 +304,12 @@ struct Prepared<'a> {
 }
 
 impl Prepared<'_> {
+    /// Bytes of all samples, about; values not counted.
+    fn sample_bytes(&self) -> u64 {
+        let PlaneBytes { mask, depth, green, red, blue, normals } = self.planes;
+        mask + depth + green + red + blue + normals
+    }
+
     /// The index entry of an image that is not written yet.
     fn entry(&self, index: usize) -> ImageEntry {
         let ImageFacts { camera, span, samples, tiles, .. } = *self.images.facts_of(index);

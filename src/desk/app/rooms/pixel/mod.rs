@@ -40,9 +40,9 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> CameraText {
         Rule::LaterCamera => told("Dropped: ", "shows this point and comes first"),
         Rule::MixedYields => told("Dropped: edge-blended here; the sample of ", "is clean"),
         Rule::UnsureYields => told("Dropped: no normal is known here; ", "knows it"),
-        rule => CameraText::new(format!("{} Witness: ", rule.sentence()))
-            .camera(index)
-            .words(format!("{place}.")),
+        rule => {
+            CameraText::new(format!("{} Witness: ", rule.sentence())).camera(index).words(format!("{place}."))
+        }
     }
 }
 

@@ -110,7 +110,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         let text = if state.has_capture() {
             pending_verdict(state, state.doc.probe.pinned)
         } else {
-            "This store does not say why samples were kept; open its capture, or make it again with store.verdicts."
+            "This store does not say why samples were kept: open its capture, or make it again with a larger store.verdicts."
         };
         ui.add(Label::new(RichText::new(text).color(tokens.text_weak)).wrap());
     }
