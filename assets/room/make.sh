@@ -9,4 +9,4 @@ here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 "$overlook" demo nine-cameras --size 400x300 --out "$work/room"
-"$overlook" preprocess "$work/room" --set store.precision=bits8 --out "$here/room.ovl"
+"$overlook" preprocess "$work/room" --set store.precision=bits8 --set store.verdicts=1 --out "$here/room.ovl"

@@ -26,10 +26,10 @@ use overlook_engine::plural::counted;
 use overlook_engine::preprocess::Preprocessed;
 use overlook_engine::render::output::PictureValues;
 use overlook_engine::render::{NO_IMAGE, Picture, Renderer, Vantage};
-use overlook_engine::samples::{SampleImage, SampleSet};
+use overlook_engine::samples::{SampleImage, SampleSet, VerdictBuffer};
 use overlook_engine::settings::RenderSettings;
 use overlook_engine::splats::{self, SplatAmount, SplatSky};
-use overlook_engine::store::file::write;
+use overlook_engine::store::file::{Extras, write_with};
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::store::write_again;
 
@@ -57,7 +57,7 @@ pub fn open_store(py: Python<'_>, path: PathBuf, edits: Option<PathBuf>) -> PyRe
 const SHOWN_AT_MOST: u64 = 8_000_000;
 
 enum Samples {
-    InMemory(Arc<SampleSet>),
+    InMemory(Arc<SampleSet>, Option<Arc<VerdictBuffer>>),
     OnDisk(PathBuf, Box<Playback>),
 }
 
@@ -65,7 +65,7 @@ impl Samples {
     /// Those of one frame, or all.
     fn at(&self, frame: Option<usize>, job: &Job) -> Result<Arc<SampleSet>> {
         match (self, frame) {
-            (Self::InMemory(samples), _) => Ok(samples.clone()),
+            (Self::InMemory(samples, _), _) => Ok(samples.clone()),
             (Self::OnDisk(_, playback), Some(frame)) => playback.at(frame, job),
             (Self::OnDisk(_, playback), None) => Ok(Arc::new(playback.store().read_undamaged(job)?)),
         }
@@ -104,7 +104,7 @@ impl PyStore {
     ) -> Result<(Arc<Picture>, Arc<SampleSet>)> {
         vantage.check(&self.outline)?;
         let samples = match &self.samples {
-            Samples::InMemory(samples) => samples.clone(),
+            Samples::InMemory(samples, _) => samples.clone(),
             Samples::OnDisk(_, playback) => playback.seen_from(&vantage.camera, vantage.frame, job)?,
         };
         let mut renderer = self.renderer.lock().unwrap_or_else(PoisonError::into_inner);
@@ -112,12 +112,12 @@ impl PyStore {
         Ok((picture, samples))
     }
 
-    pub(super) fn of(Preprocessed { samples, report }: Preprocessed) -> PyResult<Self> {
+    pub(super) fn of(Preprocessed { samples, verdicts, report }: Preprocessed) -> PyResult<Self> {
         let warnings = report.warnings();
         let report = report.to_json().map_err(|error| to_exception(&error))?;
         let outline = samples.clone();
         Ok(Self {
-            samples: Samples::InMemory(samples),
+            samples: Samples::InMemory(samples, verdicts),
             outline,
             report,
             warnings,
@@ -163,7 +163,11 @@ impl PyStore {
     /// Writes the store to a file; gives its size in bytes.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<u64> {
         work::run(py, None, |job| match &self.samples {
-            Samples::InMemory(samples) => write(&path, samples, &self.report, job),
+            Samples::InMemory(samples, verdicts) => {
+                let (report, verdicts) = (self.report.clone(), verdicts.clone());
+                let extras = Extras { report, verdicts, ..Extras::default() };
+                write_with(&path, samples, &extras, job)
+            }
             Samples::OnDisk(_, playback) => write_again(&path, playback.store(), None, job),
         })
     }
@@ -277,7 +281,7 @@ impl PyStore {
 
     fn __repr__(&self) -> String {
         let place = match &self.samples {
-            Samples::InMemory(samples) => counted(samples.sample_count(), "sample") + " in memory",
+            Samples::InMemory(samples, _) => counted(samples.sample_count(), "sample") + " in memory",
             Samples::OnDisk(path, _) => path.display().to_string(),
         };
         format!("<overlook.Store '{}', {place}>", self.outline.name)

@@ -43,10 +43,10 @@ pub(crate) fn write(
     out: &Path,
     job: &Job,
 ) -> Result<(Report, u64)> {
-    let BufferedResult { outline, images, report } = result;
+    let BufferedResult { outline, images, verdicts, report } = result;
     let frames_are_ranked = capture.frames_are_ranked();
     let provenance = Provenance { inputs, frames_are_ranked, ..Provenance::default() };
-    let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
+    let extras = Extras { report: report.to_json()?, provenance, verdicts, ..Extras::default() };
     let bytes = file::write_spooled(out, &outline, &images, &extras, job)?;
     Ok((report, bytes))
 }

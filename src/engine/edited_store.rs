@@ -93,6 +93,7 @@ pub fn write_edited_store(
     let EditedStore { samples, report, dropped } = edit_store(store, edits, capture, job)?;
     let StoreInfo { provenance, .. } = store.info().clone();
     let held_to = Some(samples.settings.store.clone());
-    let extras = Extras { report, provenance, unknown: store.unknown_chunks()?, held_to };
+    let extras =
+        Extras { report, provenance, unknown: store.unknown_chunks()?, held_to, ..Extras::default() };
     Ok((write_with(path, &samples, &extras, job)?, dropped))
 }

@@ -62,4 +62,5 @@ pub mod settings;
 pub mod simd;
 pub mod splats;
 pub mod store;
+pub mod stored_verdicts;
 pub mod whole_file;

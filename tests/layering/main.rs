@@ -35,7 +35,7 @@ const LAYERS: [&[&str]; 17] = [
     &["engine/samples", "engine/demo"],
     &["engine/edits"],
     &["engine/store", "engine/preprocess"],
-    &["engine/render", "engine/placement", "engine/edited_store"],
+    &["engine/render", "engine/placement", "engine/edited_store", "engine/stored_verdicts"],
     &["engine/page"],
     &["engine/splats"],
     &["engine/lib"],

@@ -7,7 +7,7 @@ use glam::DVec3;
 use overlook_engine::capture::{Capture, with_changed_frames};
 use overlook_engine::edits::{Action, Edit, EditList, Reach, Region, Viewpoint, edit_samples, selected};
 use overlook_engine::job::Job;
-use overlook_engine::preprocess::{BufferedResult, Preprocessed, preprocess, preprocess_edited, votes_on};
+use overlook_engine::preprocess::{Preprocessed, preprocess, preprocess_edited, votes_on};
 use overlook_engine::samples::{ImageBuffer, PlacedSample, SampleImage, SampleSet};
 use overlook_engine::settings::{AlignSettings, PruningMethod, Settings};
 
@@ -160,10 +160,7 @@ fn a_thing_that_is_deleted_at_one_frame_is_gone_at_all_frames_of_its_spans_or_at
 
 /// What preprocessing with edits gives, in memory.
 pub(crate) fn preprocessed(capture: &Capture, edits: &EditList) -> Preprocessed {
-    let BufferedResult { outline, images, report } =
-        preprocess_edited(capture, &settings(), edits, &Job::new()).unwrap();
-    let samples = Arc::new(SampleSet { images: images.into_images().unwrap(), ..outline });
-    Preprocessed { samples, report }
+    preprocess_edited(capture, &settings(), edits, &Job::new()).unwrap().into_memory().unwrap()
 }
 
 #[test]

@@ -194,7 +194,7 @@ fn stores_keep_every_bit_and_those_without_orthographic_cameras_their_version() 
         let path = folder.path().join("scene.ovl");
         let mut settings = Settings::default();
         settings.store.precision = Precision::Lossless;
-        let Preprocessed { samples, report } =
+        let Preprocessed { samples, report, .. } =
             preprocess(&scene.record(cameras, 1), &settings, &Job::new()).unwrap();
         store::file::write(&path, &samples, &serde_json::to_string(&report).unwrap(), &Job::new()).unwrap();
         let bytes = std::fs::read(&path).unwrap();

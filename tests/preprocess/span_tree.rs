@@ -405,11 +405,11 @@ fn kept_samples_that_do_not_fit_the_memory_are_stored_as_those_that_do() {
         settings.pruning.method = PruningMethod::Off;
         settings.capture.memory = 16;
         settings.store.precision = precision;
-        let Preprocessed { samples, report } = preprocess(&capture, &settings, &Job::new()).unwrap();
+        let Preprocessed { samples, report, .. } = preprocess(&capture, &settings, &Job::new()).unwrap();
         assert!(samples.bytes() > 1 << 20, "{} bytes: more than a sixteenth of the setting", samples.bytes());
         overlook_engine::store::file::write(&from_memory, &samples, &report.to_json().unwrap(), &Job::new())
             .unwrap();
-        let BufferedResult { outline, images, report } =
+        let BufferedResult { outline, images, report, .. } =
             preprocess_buffered(&capture, &settings, &Job::new()).unwrap();
         assert!(outline.images.is_empty());
         overlook_engine::store::file::write_spooled(

@@ -156,7 +156,7 @@ fn provenance_and_unknown_chunks_stay_when_a_store_is_written_again() {
         report: small_report(),
         provenance: provenance.clone(),
         unknown: unknown.clone(),
-        held_to: None,
+        ..Extras::default()
     };
     store::file::write_with(&first, &moving_set(), &extras, &Job::new()).unwrap();
 

@@ -32,7 +32,7 @@ pub(crate) use layers::{Rate, ViewingRays, footprint};
 pub use prepared_scan::PreparedScan;
 pub(crate) use prepared_scan::{better_conventions, edited_cache_bytes};
 pub use sample_votes::votes_on;
-pub(crate) use traversal::prune_run;
+pub(crate) use traversal::{KeptSamples, prune_run};
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -46,7 +46,7 @@ use crate::edits::{self, CutByHand, EditList, EditedImages};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
-use crate::samples::{ImageBuffer, SampleImage, SampleSet, samples_in_memory};
+use crate::samples::{ImageBuffer, SampleImage, SampleSet, VerdictBuffer, samples_in_memory};
 use crate::settings::{AlignSettings, Settings};
 use agreement::Consensus;
 use diagnostics::Report;
@@ -60,6 +60,8 @@ use temporal::all_frames;
 pub struct Preprocessed {
     /// The kept samples.
     pub samples: Arc<SampleSet>,
+    /// What became of every pixel, as a store says it; `None` where the settings want none there, and where pruning is repeated.
+    pub verdicts: Option<Arc<VerdictBuffer>>,
     /// What was dropped and why.
     pub report: Report,
 }
@@ -71,6 +73,8 @@ pub struct BufferedResult {
     pub outline: SampleSet,
     /// The kept samples, ordered as [`SampleSet::images`].
     pub images: ImageBuffer,
+    /// As [`Preprocessed::verdicts`].
+    pub verdicts: Option<Arc<VerdictBuffer>>,
     /// What was dropped and why.
     pub report: Report,
 }
@@ -81,9 +85,9 @@ impl BufferedResult {
     /// # Errors
     /// `Io` as [`ImageBuffer::into_images`].
     pub fn into_memory(self) -> Result<Preprocessed> {
-        let Self { outline, images, report } = self;
+        let Self { outline, images, verdicts, report } = self;
         let samples = Arc::new(SampleSet { images: images.into_images()?, ..outline });
-        Ok(Preprocessed { samples, report })
+        Ok(Preprocessed { samples, verdicts, report })
     }
 }
 
@@ -92,8 +96,8 @@ impl BufferedResult {
 /// # Errors
 /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be used, and `Cancelled`.
 pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    let images = ImageBuffer::new(usize::MAX);
-    preprocess_into(images, capture, settings, &EditList::default(), job)?.into_memory()
+    let kept = KeptSamples::new(usize::MAX, false);
+    preprocess_into(kept, capture, settings, &EditList::default(), job)?.into_memory()
 }
 
 /// The same for a sequence of any length: what is kept waits in a temporary file where it takes more than a share of the memory
@@ -116,11 +120,12 @@ pub fn preprocess_edited(
     edits: &EditList,
     job: &Job,
 ) -> Result<BufferedResult> {
-    preprocess_into(ImageBuffer::new(samples_in_memory(settings)), capture, settings, edits, job)
+    let kept = KeptSamples::new(samples_in_memory(settings), settings.store.verdicts > 0.0);
+    preprocess_into(kept, capture, settings, edits, job)
 }
 
 fn preprocess_into(
-    images: ImageBuffer,
+    kept: KeptSamples,
     capture: &Capture,
     settings: &Settings,
     edits: &EditList,
@@ -130,7 +135,7 @@ fn preprocess_into(
     settings.validate("settings")?;
     let left = edits::with_cameras_left(capture, edits)?;
     let scan = PreparedScan::edited(&left, settings, edits, job)?;
-    let pruned = prune_into(images, &left, &scan, settings, job)?;
+    let pruned = prune_into(kept, &left, &scan, settings, job)?;
     let (removed, cameras) = (scan.removed_pixels(), &capture.cameras);
     let mut spooled = cut_by_hand(pruned, scan.capture(), removed, edits, cameras, job)?;
     spooled.report.seconds = started.elapsed().as_secs_f64();
@@ -150,7 +155,7 @@ pub(crate) fn cut_by_hand(
     if edits.is_idle() {
         return Ok(pruned);
     }
-    let BufferedResult { outline, images, mut report } = pruned;
+    let BufferedResult { outline, images, verdicts, mut report } = pruned;
     let left_out = edits.cameras_left_out();
     let votes =
         if edits.asks_for_votes() { Some(votes_on(&images, &outline.cameras, capture, job)?) } else { None };
@@ -167,7 +172,7 @@ pub(crate) fn cut_by_hand(
         sample_pixels: dropped_pixels,
     };
     report.note_cut(cut, images.facts());
-    Ok(BufferedResult { outline, images, report })
+    Ok(BufferedResult { outline, images, verdicts, report })
 }
 
 /// The pass over all frames: the samples of every span, before any pruning. No pruning threshold touches it.
@@ -185,11 +190,11 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Pre
 /// # Errors
 /// As [`preprocess`].
 pub fn prune(capture: &Capture, scan: &PreparedScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    prune_into(ImageBuffer::new(usize::MAX), capture, scan, settings, job)?.into_memory()
+    prune_into(KeptSamples::new(usize::MAX, false), capture, scan, settings, job)?.into_memory()
 }
 
 fn prune_into(
-    images: ImageBuffer,
+    kept: KeptSamples,
     capture: &Capture,
     scan: &PreparedScan,
     settings: &Settings,
@@ -205,14 +210,15 @@ fn prune_into(
         &other
     };
     let capture = scan.capture();
-    let (mut images, counts) = prune_run(images, scan, settings, all_frames(scan.frames), job)?;
-    images.sort();
+    let (kept, counts) = prune_run(kept, scan, settings, all_frames(scan.frames), job)?;
+    let KeptSamples { images, verdicts } = kept;
     let mut report = counts.finish(capture.cameras.len(), images.facts());
     report.alignment = scan.alignment().cloned();
     report.note_conventions(scan.conventions());
     report.seconds = started.elapsed().as_secs_f64();
     let settings = aligned_settings(settings, scan.alignment());
-    Ok(BufferedResult { outline: sample_set(capture, &settings, Vec::new()), images, report })
+    let outline = sample_set(capture, &settings, Vec::new());
+    Ok(BufferedResult { outline, images, verdicts: verdicts.map(Arc::new), report })
 }
 
 /// Settings as a result names them: what changed nothing leaves no trace, so that a capture that is right gives the same store

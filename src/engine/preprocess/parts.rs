@@ -28,7 +28,7 @@
 //! Pruning of one run of frames.
 //!
 //! ```text
-//! 1, image; … ; 0; counts and residuals (JSON)
+//! 1, image; … ; 0; 1, verdicts of a camera and span; … ; 0; counts and residuals (JSON)
 //! ```
 
 use std::collections::BTreeSet;
@@ -45,8 +45,8 @@ use super::temporal::{
     SpanStore, SpanSums, Split, StaticTest, TemporalScan, scan_run,
 };
 use super::{
-    BufferedResult, PreparedScan, aligned_settings, better_conventions, cut_by_hand, edited_cache_bytes,
-    prune_run, sample_set,
+    BufferedResult, KeptSamples, PreparedScan, aligned_settings, better_conventions, cut_by_hand,
+    edited_cache_bytes, prune_run, sample_set,
 };
 use crate::alignment::{self, Aligned, Alignment, CaptureCorrection};
 use crate::capture::conventions::Finding;
@@ -56,7 +56,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::part::Part;
 use crate::samples::{
-    ImageBuffer, ReadSeek, RecordReader, RecordWriter, SampleImage, Span, samples_in_memory,
+    ReadSeek, RecordReader, RecordWriter, SampleImage, Span, SpanVerdicts, VerdictBuffer, samples_in_memory,
 };
 use crate::settings::{Settings, SpanLevels};
 
@@ -340,12 +340,17 @@ pub fn prune_part<'a>(
     let run = run_of_part(aligned.capture.frame_count(), part);
     let scan = read_scan(&aligned, measured, settings, run, spans, scans, job)?;
     let scan = PreparedScan::of(scan, aligned, measured.conventions.clone(), &settings.align);
-    let images = ImageBuffer::new(samples_in_memory(settings));
-    let (images, counts): (ImageBuffer, RunCounts) = prune_run(images, &scan, settings, run, job)?;
+    let kept = KeptSamples::new(samples_in_memory(settings), settings.store.verdicts > 0.0);
+    let (KeptSamples { images, verdicts }, counts) = prune_run(kept, &scan, settings, run, job)?;
     let mut writer = RecordWriter::new(writer, format!("part {part} of pruning"))?;
     for index in 0..images.len() {
         writer.number(1)?;
         writer.record(&*images.get(index)?)?;
+    }
+    writer.number(0)?;
+    for index in 0..verdicts.as_ref().map_or(0, VerdictBuffer::len) {
+        writer.number(1)?;
+        verdicts.as_ref().map_or(Ok(()), |verdicts| writer.record(&*verdicts.get(index)?))?;
     }
     writer.number(0)?;
     writer.json(&counts)
@@ -410,14 +415,19 @@ pub fn join_pruned<'a>(
 ) -> Result<BufferedResult> {
     let MeasuredCapture { capture, measured, settings, edits } = of;
     let aligned = of.edited();
-    let mut images = ImageBuffer::new(samples_in_memory(settings));
+    let mut kept = KeptSamples::new(samples_in_memory(settings), settings.store.verdicts > 0.0);
     let mut all: Option<RunCounts> = None;
     job.start("Joining parts", parts.len());
     for (place, reader) in parts {
         let mut reader = RecordReader::new(reader, place);
         while reader.number()? == 1 {
             job.check()?;
-            images.push(reader.record::<SampleImage>()?)?;
+            kept.images.push(reader.record::<SampleImage>()?)?;
+        }
+        while reader.number()? == 1 {
+            job.check()?;
+            let of_span = reader.record::<SpanVerdicts>()?;
+            kept.verdicts.as_mut().map_or(Ok(()), |verdicts| verdicts.push(of_span))?;
         }
         let counts: RunCounts = reader.json()?;
         match &mut all {
@@ -427,13 +437,14 @@ pub fn join_pruned<'a>(
         job.advance(1);
     }
     let counts = all.ok_or_else(|| Error::invalid(&capture.name, "there is no part to join"))?;
-    images.sort();
+    kept.sort();
+    let KeptSamples { images, verdicts } = kept;
     let mut report = counts.finish(aligned.capture.cameras.len(), images.facts());
     report.alignment.clone_from(&aligned.alignment);
     report.note_conventions(measured.conventions.as_ref());
     let settings = aligned_settings(settings, aligned.alignment.as_ref());
-    let joined =
-        BufferedResult { outline: sample_set(&aligned.capture, &settings, Vec::new()), images, report };
+    let outline = sample_set(&aligned.capture, &settings, Vec::new());
+    let joined = BufferedResult { outline, images, verdicts: verdicts.map(Arc::new), report };
     cut_by_hand(joined, &aligned.capture, removed, edits, cameras, job)
 }
 

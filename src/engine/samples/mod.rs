@@ -9,6 +9,7 @@ mod placed;
 mod sample_set;
 mod spill_file;
 mod tile;
+mod verdicts;
 mod votes;
 
 pub(crate) use coarser::halved_camera;
@@ -20,4 +21,5 @@ pub use sample_set::{SampleImage, SampleSet, Span};
 pub use spill_file::{ReadSeek, RecordReader, RecordWriter};
 pub(crate) use spill_file::{Record, RecordPlace, SpillFile, samples_in_memory};
 pub use tile::{Sample, SampleTile, TILE, TileMask};
+pub use verdicts::{PixelVerdict, SpanVerdicts, VerdictBuffer};
 pub use votes::{SampleVotes, Vote, VoteCounts};

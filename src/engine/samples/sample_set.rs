@@ -92,12 +92,29 @@ impl SampleImage {
         found.ok().map(|at| &self.doubtful[at].rows)
     }
 
+    /// The tile that holds a pixel, by its index; `None` where it holds no sample.
+    fn tile_of(&self, x: usize, y: usize) -> Option<usize> {
+        let place = ((y / TILE) as u16, (x / TILE) as u16);
+        self.tiles.binary_search_by_key(&place, |tile| (tile.tile_y, tile.tile_x)).ok()
+    }
+
+    /// The sample of a pixel: its index into the planes and its inverse depth; `None` where there is none.
+    #[must_use]
+    pub fn sample_at(&self, x: usize, y: usize) -> Option<(usize, f32)> {
+        let index = self.tile_of(x, y)?;
+        let tile = &self.tiles[index];
+        let (row, column) = (y % TILE, x % TILE);
+        let is_sampled = tile.rows[row] >> column & 1 == 1;
+        let before: u32 = tile.rows[..row].iter().map(|row| row.count_ones()).sum();
+        let nth = (before + (tile.rows[row] & ((1 << column) - 1)).count_ones()) as usize;
+        is_sampled
+            .then(|| (tile.first as usize + nth, self.depth.tile(index, tile.first, tile.count()).get(nth)))
+    }
+
     /// Whether the sample at a pixel is doubtful; false without a sample.
     #[must_use]
     pub fn is_doubtful(&self, x: usize, y: usize) -> bool {
-        let place = ((y / TILE) as u16, (x / TILE) as u16);
-        let tile = self.tiles.binary_search_by_key(&place, |tile| (tile.tile_y, tile.tile_x));
-        let rows = tile.ok().and_then(|tile| self.doubtful_rows(tile));
+        let rows = self.tile_of(x, y).and_then(|tile| self.doubtful_rows(tile));
         rows.is_some_and(|rows| rows[y % TILE] >> (x % TILE) & 1 == 1)
     }
 

@@ -44,7 +44,8 @@ pub fn write_again(path: &Path, store: &Store, storage: Option<&StoreSettings>, 
         set_normals(&mut samples, storage.normals).map_err(|what| Error::invalid(path.display(), what))?;
     }
     let StoreInfo { report, provenance, .. } = store.info().clone();
-    let extras = Extras { report, provenance, unknown: store.unknown_chunks()?, held_to };
+    let extras =
+        Extras { report, provenance, unknown: store.unknown_chunks()?, held_to, ..Extras::default() };
     write_with(path, &samples, &extras, job)
 }
 

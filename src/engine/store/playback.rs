@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use crate::capture::{Camera, EXPECTED_IN_ONE_PIECE};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::samples::SampleSet;
+use crate::samples::{SampleSet, Span};
 use crate::store::file::{Store, chain};
 use crate::store::image::{Decoded, VisibleBlocks, visible_blocks};
 
@@ -44,6 +44,19 @@ pub struct Playback {
     /// Every image in its place, none with a sample.
     outline: Arc<SampleSet>,
     cache: Cache<usize, Arc<Decoded>, ImageBytes>,
+}
+
+/// One sample of a store, without its color.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredSample {
+    /// The frames for which it stands.
+    pub span: Span,
+    /// 1 / planar z; 0 at infinity.
+    pub inverse_depth: f32,
+    /// One value per channel of the store.
+    pub values: Vec<f32>,
+    /// Whether it is shown only where no other sample is.
+    pub is_doubtful: bool,
 }
 
 impl Playback {
@@ -90,6 +103,36 @@ impl Playback {
         let path = self.path(frame)?;
         let visible = self.needed(vantage, &path, job)?;
         self.set(path, |camera| visible.get(camera), job)
+    }
+
+    /// The sample that a pixel of a camera has at a frame; `None` where another sample stands for it, or nothing. Only the block around
+    /// the pixel is decoded.
+    ///
+    /// # Errors
+    /// As [`Playback::at`].
+    pub fn sample_at(
+        &self,
+        frame: usize,
+        camera: usize,
+        (x, y): (usize, usize),
+        job: &Job,
+    ) -> Result<Option<StoredSample>> {
+        let Some(size) = self.outline.cameras.get(camera).map(|camera| camera.intrinsics.size()) else {
+            return Ok(None);
+        };
+        let block = VisibleBlocks::of_pixel(size, (x, y));
+        for index in self.path(frame)? {
+            if self.store.info().images[index].camera as usize != camera {
+                continue;
+            }
+            let decoded = self.image(index, Some(&block), job)?;
+            let image = &decoded.image;
+            if let Some((sample, inverse_depth)) = image.sample_at(x, y) {
+                let (values, is_doubtful) = (image.values.of(sample).to_vec(), image.is_doubtful(x, y));
+                return Ok(Some(StoredSample { span: image.span, inverse_depth, values, is_doubtful }));
+            }
+        }
+        Ok(None)
     }
 
     /// For each camera, the blocks of some images that a vantage needs.

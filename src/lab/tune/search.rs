@@ -305,10 +305,10 @@ impl<'a> WholeStores<'a> {
 /// Bytes of the store, with the longest record of where it comes from.
 fn most_bytes(capture: &Capture, settings: &Settings, job: &Job) -> Result<u64> {
     let folder = tempfile::tempdir().map_err(|error| Error::io(std::env::temp_dir(), error))?;
-    let BufferedResult { outline, images, report } = preprocess_buffered(capture, settings, job)?;
+    let BufferedResult { outline, images, verdicts, report } = preprocess_buffered(capture, settings, job)?;
     let inputs = InputFiles { files: u64::MAX, bytes: u64::MAX, crc32: u32::MAX };
     let provenance = Provenance { inputs: Some(inputs), ..Provenance::default() };
-    let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
+    let extras = Extras { report: report.to_json()?, provenance, verdicts, ..Extras::default() };
     let path = folder.path().join("whole.ovl");
     file::write_spooled(&path, &outline, &images, &extras, job)
 }

@@ -57,6 +57,7 @@ const NAMES: &[(&str, &str)] = &[
     ("store.precision", "Precision"),
     ("store.depth_precision", "Depth error limit"),
     ("store.coding", "Compression"),
+    ("store.verdicts", "Room for verdicts"),
     ("render.kernel", "Kernel"),
     ("render.fill", "Hole filling"),
     ("render.free_space", "Line-of-sight test"),

@@ -1,9 +1,10 @@
 //! What a window shows that nobody gave anything to open.
 
 use super::*;
-use crate::app::model::command::ViewCommand;
+use crate::app::model::command::{PixelCommand, ViewCommand};
 use crate::app::model::window::Workspace;
 use crate::app::model::{Content, SceneSource};
+use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::timeline::TimeCommand;
 
 #[test]
@@ -35,4 +36,31 @@ fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_
     // What has no path is named by none.
     app.apply(Command::View(ViewCommand::CopyAddress));
     assert!(app.state.recent.is_empty());
+}
+
+#[test]
+fn a_click_on_the_room_keeps_the_pixel_and_the_point_that_were_pointed_at() {
+    let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
+    app.state.live.size = [200, 150];
+    app.apply(Command::Time(TimeCommand::Step(1)));
+    wait(&mut app, "the room at rest", |app| {
+        app.state.doc.live_shown.as_ref().is_some_and(|shown| shown.key.quality.is_none()) && app.is_idle()
+    });
+    for (x, y) in [(100, 75), (60, 110), (140, 100), (30, 40)] {
+        let spot = Spot::Live { x, y, size: [200, 150] };
+        app.apply(Command::Pixel(PixelCommand::Probe(Some(spot))));
+        wait(&mut app, "the pixel", |app| {
+            app.state.doc.probe.shown.as_ref().is_some_and(|probed| probed.spot == spot)
+        });
+        let hovered = app.state.doc.probe.shown.clone().unwrap();
+        app.apply(Command::Pixel(PixelCommand::Pin(true)));
+        wait(&mut app, "the pinned pixel", |app| {
+            matches!(app.state.doc.probe.shown.as_ref().unwrap().spot, Spot::Source { .. })
+        });
+        let pinned = app.state.doc.probe.shown.clone().unwrap();
+        assert_eq!((pinned.camera, pinned.x, pinned.y), (hovered.camera, hovered.x, hovered.y));
+        let moved = (pinned.point_in_world.unwrap() - hovered.point_in_world.unwrap()).length();
+        assert!(moved < 0.02, "the point moved by {moved} m");
+        app.apply(Command::Pixel(PixelCommand::Pin(false)));
+    }
 }

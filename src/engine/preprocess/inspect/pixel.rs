@@ -15,7 +15,7 @@ use crate::preprocess::agreement::VoteTest;
 use crate::preprocess::layers::CameraLayer;
 use crate::preprocess::pruning::{Candidate, Rule, Verdict, decide};
 use crate::preprocess::registration::{Outcome, SameSurface};
-use crate::samples::{SampleSet, Span, TILE, VoteCounts};
+use crate::samples::{SampleSet, Span, VoteCounts};
 
 /// The explanation of pixel `(x, y)` of camera `camera`; `None` where there is no such pixel.
 #[must_use]
@@ -175,16 +175,10 @@ pub fn pair_quantities(inspection: &FrameInspection, at_most: usize) -> Vec<Pair
 /// The spans in which pixel `(x, y)` of camera `camera` is stored, longest first.
 #[must_use]
 pub fn spans_of_pixel(samples: &SampleSet, camera: usize, x: usize, y: usize) -> Vec<Span> {
-    let tile = (y / TILE, x / TILE);
     samples
         .images
         .iter()
-        .filter(|image| image.camera as usize == camera)
-        .filter(|image| {
-            let found =
-                image.tiles.binary_search_by_key(&tile, |t| (usize::from(t.tile_y), usize::from(t.tile_x)));
-            found.is_ok_and(|index| image.tiles[index].rows[y % TILE] >> (x % TILE) & 1 == 1)
-        })
+        .filter(|image| image.camera as usize == camera && image.sample_at(x, y).is_some())
         .map(|image| image.span)
         .collect()
 }

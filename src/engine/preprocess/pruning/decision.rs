@@ -14,6 +14,7 @@
 
 use crate::preprocess::layers::{CameraLayer, has_unknown_normal, is_blended_sky, is_mixed};
 use crate::preprocess::temporal::{NO_SAMPLE, SpanLevel};
+use crate::samples::{PixelVerdict, Span, SpanVerdicts};
 use crate::settings::{MixedPixels, PruningMethod, PruningSettings};
 
 /// Why a sample was kept or dropped. A *candidate* is a sample of another camera that shows the same surface point, may be a
@@ -233,13 +234,15 @@ pub struct Verdict {
     pub witness_level: SpanLevel,
     /// Camera of the witness; [`Verdict::NO_CAMERA`] without a witness.
     pub witness_camera: u16,
-    /// Pixel of the witness, `y * width + x`; 0 without a witness.
+    /// Pixel of the witness, `y * width + x`; 0 without a witness, and [`Verdict::NO_PIXEL`] where nobody knows.
     pub witness_pixel: u32,
 }
 
 impl Verdict {
     /// In place of a witness's camera where there is no witness.
-    pub const NO_CAMERA: u16 = u16::MAX;
+    pub const NO_CAMERA: u16 = PixelVerdict::NO_WITNESS;
+    /// In place of a witness's pixel where only its camera is known, as of a store.
+    pub const NO_PIXEL: u32 = u32::MAX;
 
     /// A verdict without a witness.
     #[must_use]
@@ -256,6 +259,15 @@ impl Verdict {
             witness_camera: witness.camera,
             witness_pixel: witness.pixel,
         }
+    }
+
+    /// What a store says of a pixel; its witness is known by camera alone. `None` for a rule that this Overlook does not know.
+    #[must_use]
+    pub fn of_store(stored: PixelVerdict) -> Option<Self> {
+        let rule = *Rule::ALL.get(usize::from(stored.rule))?;
+        let is_witnessed = stored.witness != PixelVerdict::NO_WITNESS;
+        let witness_pixel = if is_witnessed { Self::NO_PIXEL } else { 0 };
+        Some(Self { witness_camera: stored.witness, witness_pixel, ..Self::without_witness(rule) })
     }
 
     /// As a number, to be put away.
@@ -298,6 +310,17 @@ pub(crate) struct LevelVerdicts {
 }
 
 impl LevelVerdicts {
+    /// As a store has them, for a camera and span.
+    pub(crate) fn stored(&self, camera: usize, span: Span) -> SpanVerdicts {
+        SpanVerdicts {
+            camera: camera as u32,
+            span,
+            pixels: self.pixels.clone(),
+            rules: self.verdicts.iter().map(|verdict| verdict.rule as u8).collect(),
+            witnesses: self.verdicts.iter().map(|verdict| verdict.witness_camera).collect(),
+        }
+    }
+
     /// Counts the mixed pixels by the ranks of the samples, where the settings tell them from others.
     pub(crate) fn count_mixed(&mut self, ranks: &[u32], mixed_pixels: MixedPixels) {
         if mixed_pixels == MixedPixels::Keep {

@@ -35,9 +35,10 @@ use super::temporal::{ROOT, SpanLevel, SpanTree, all_frames};
 use crate::capture::overlap::{DepthBounds, OverlapGraph};
 use crate::error::Result;
 use crate::job::Job;
-use crate::samples::{ImageBuffer, Span};
+use crate::samples::Span;
 use crate::settings::{AgreementRule, Settings};
 use groups::{CameraGroup, Recording};
+pub(crate) use steps::KeptSamples;
 use steps::{Pruner, PutSpan};
 use window::LayerWindow;
 
@@ -48,29 +49,29 @@ fn moved_at_most(noise: f32) -> f32 {
     (3.0 * std::f32::consts::SQRT_2 * noise).max(smoothed / (1.0 - smoothed))
 }
 
-/// Prunes a run of frames, and adds what is kept to `images`. A span that reaches over several runs is decided in each of them, and
+/// Prunes a run of frames, and adds what is kept to `kept`. A span that reaches over several runs is decided in each of them, and
 /// kept and counted in the one that it begins in.
 ///
 /// # Errors
 /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be used, and `Cancelled`.
 pub(crate) fn prune_run(
-    images: ImageBuffer,
+    kept: KeptSamples,
     scan: &PreparedScan,
     settings: &Settings,
     run: Span,
     job: &Job,
-) -> Result<(ImageBuffer, RunCounts)> {
+) -> Result<(KeptSamples, RunCounts)> {
     let errors = scan.normal_errors(&settings.normals, job)?;
-    prune_recording(images, Recording::new(scan.capture(), scan, settings), &errors, run, job)
+    prune_recording(kept, Recording::new(scan.capture(), scan, settings), &errors, run, job)
 }
 
 fn prune_recording(
-    mut images: ImageBuffer,
+    mut kept: KeptSamples,
     recording: Recording<'_>,
     normal_errors: &[Vec<NormalErrors>],
     run: Span,
     job: &Job,
-) -> Result<(ImageBuffer, RunCounts)> {
+) -> Result<(KeptSamples, RunCounts)> {
     let Recording { capture, scan, settings, .. } = recording;
     let count = capture.cameras.len();
     let what = if recording.is_of_one_moment() { "Pruning views" } else { "Pruning the background" };
@@ -126,10 +127,10 @@ fn prune_recording(
         residuals.note_asked(&lattice);
         put.lattice = Some(lattice);
     }
-    pruner.prune(&put, &mut residuals, is_root_counted.then_some((&mut tally, &mut images)))?;
+    pruner.prune(&put, &mut residuals, is_root_counted.then_some((&mut tally, &mut kept)))?;
     pruner.window.forget_samples();
     let tree = scan.tree(&settings.spans);
-    let mut traversal = SpanTraversal { run, tree, pruner, tally, residuals, images };
+    let mut traversal = SpanTraversal { run, tree, pruner, tally, residuals, kept };
     if !recording.is_of_one_moment() {
         if let Some(frame) = Residuals::frame_before(scan.frames, run) {
             traversal.note_frame(frame)?;
@@ -137,9 +138,9 @@ fn prune_recording(
         job.start("Pruning frames", run.len());
         traversal.below(root, ROOT)?;
     }
-    let SpanTraversal { tally, residuals, mut images, .. } = traversal;
-    images.sort();
-    Ok((images, RunCounts { report: tally.into_report(), readings: residuals.into_readings() }))
+    let SpanTraversal { tally, residuals, mut kept, .. } = traversal;
+    kept.sort();
+    Ok((kept, RunCounts { report: tally.into_report(), readings: residuals.into_readings() }))
 }
 
 /// Visits all spans of a run of frames, parents before children, and decides the samples of each.
@@ -149,7 +150,7 @@ struct SpanTraversal<'a> {
     pruner: Pruner<'a>,
     tally: Tally,
     residuals: Residuals<'a>,
-    images: ImageBuffer,
+    kept: KeptSamples,
 }
 
 impl SpanTraversal<'_> {
@@ -175,7 +176,7 @@ impl SpanTraversal<'_> {
             }
             let put = self.put(child, level + 1)?;
             let is_kept = self.run.contains(child.start as usize);
-            let kept = is_kept.then_some((&mut self.tally, &mut self.images));
+            let kept = is_kept.then_some((&mut self.tally, &mut self.kept));
             self.pruner.prune(&put, &mut self.residuals, kept)?;
             // With a single frame the paper's two levels are equally long.
             if child.len() < span.len() {
@@ -335,11 +336,11 @@ mod tests {
             );
             let of_bound = |bound: usize| {
                 let recording = Recording { bound, ..Recording::new(&capture, &scan, &settings) };
-                let (images, run) = (ImageBuffer::new(usize::MAX), all_frames(1));
+                let (images, run) = (KeptSamples::new(usize::MAX, false), all_frames(1));
                 let errors = vec![Vec::new(); count];
                 let (images, counts) = prune_recording(images, recording, &errors, run, &job).unwrap();
-                let report = counts.finish(count, images.facts());
-                (images.into_images().unwrap(), report)
+                let report = counts.finish(count, images.images.facts());
+                (images.images.into_images().unwrap(), report)
             };
             let (images, report) = of_bound(usize::MAX);
             assert_eq!(report.is_noisy(), noise > 0.0, "{scene}");
@@ -381,9 +382,9 @@ mod tests {
             let errors = vec![Vec::new(); AT_ONE_PLACE];
             let of = |bound: usize, run: Span| {
                 let recording = Recording { bound, ..Recording::new(&capture, &scan, settings) };
-                let images = ImageBuffer::new(usize::MAX);
+                let images = KeptSamples::new(usize::MAX, false);
                 let (images, counts) = prune_recording(images, recording, &errors, run, &job).unwrap();
-                (images.into_images().unwrap(), counts)
+                (images.images.into_images().unwrap(), counts)
             };
             for run in [all_frames(3), Span { start: 1, end: 3 }] {
                 let (images, counts) = of(usize::MAX, run);

@@ -17,10 +17,34 @@ use crate::preprocess::pruning::{
     self, LevelVerdicts, Masks, PruningPass, Search, Statuses, all_may_be_witnesses,
 };
 use crate::preprocess::temporal::{ROOT, SpanLevel};
-use crate::samples::{ImageBuffer, Span, samples_in_memory};
+use crate::samples::{ImageBuffer, Span, VerdictBuffer, samples_in_memory};
 
 /// Bytes of a sample while it is worked on: itself, its verdict, and what is known between the parts of a search.
 pub(super) const SAMPLE_BYTES: usize = 38 + 12 + 16;
+
+/// What is kept of a run of frames, and what became of the rest.
+#[derive(Debug)]
+pub(crate) struct KeptSamples {
+    pub(crate) images: ImageBuffer,
+    /// `None` where nobody asks.
+    pub(crate) verdicts: Option<VerdictBuffer>,
+}
+
+impl KeptSamples {
+    /// Nothing is kept yet. Images and verdicts each hold at most `bound` bytes in memory.
+    pub(crate) fn new(bound: usize, has_verdicts: bool) -> Self {
+        let verdicts = has_verdicts.then(|| VerdictBuffer::new(bound));
+        Self { images: ImageBuffer::new(bound), verdicts }
+    }
+
+    /// Puts images and verdicts into their order.
+    pub(crate) fn sort(&mut self) {
+        self.images.sort();
+        if let Some(verdicts) = &mut self.verdicts {
+            verdicts.sort();
+        }
+    }
+}
 
 /// What the steps of pruning share.
 pub(super) struct Pruner<'a> {
@@ -66,7 +90,7 @@ impl Pruner<'_> {
         &mut self,
         put: &PutSpan,
         residuals: &mut Residuals<'_>,
-        mut kept: Option<(&mut Tally, &mut ImageBuffer)>,
+        mut kept: Option<(&mut Tally, &mut KeptSamples)>,
     ) -> Result<()> {
         let settings = self.recording.settings;
         let samples: Vec<usize> = put.counts.iter().map(|count| count * SAMPLE_BYTES).collect();
@@ -86,8 +110,8 @@ impl Pruner<'_> {
         step.find_all(residuals, kept.as_mut().map(|(tally, _)| &mut **tally))?;
         if put.counts.iter().any(|count| *count > 0) {
             step.settle_all()?;
-            if let Some((tally, images)) = kept {
-                step.pack_all(tally, images)?;
+            if let Some((tally, kept)) = kept {
+                step.pack_all(tally, kept)?;
             }
         }
         Ok(())
@@ -161,7 +185,7 @@ impl SpanStep<'_, '_> {
     }
 
     /// Packs what is kept.
-    fn pack_all(&mut self, tally: &mut Tally, images: &mut ImageBuffer) -> Result<()> {
+    fn pack_all(&mut self, tally: &mut Tally, kept: &mut KeptSamples) -> Result<()> {
         let (settings, put) = (self.of.recording.settings, self.put);
         let refines = Consensus::is_on(settings, self.of.window.most_noise() > 0.0);
         if refines && put.level > ROOT {
@@ -193,7 +217,10 @@ impl SpanStep<'_, '_> {
                 drop(consensus);
                 for ((&camera, decided), image) in cameras.iter().zip(&decided).zip(packed) {
                     tally.add(put.span, put.level == ROOT, camera, decided);
-                    image.map_or(Ok(()), |image| images.push(image))?;
+                    image.map_or(Ok(()), |image| kept.images.push(image))?;
+                    if let Some(verdicts) = &mut kept.verdicts {
+                        verdicts.push(decided.stored(camera, put.span))?;
+                    }
                     if put.level == ROOT {
                         job.advance(1);
                     }

@@ -5,9 +5,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::render::input::FrameTile;
 use crate::render::vantage::{NO_IMAGE, Picture, Vantage};
-use crate::samples::{SampleImage, SampleSet, SampleTile, TILE};
+use crate::samples::SampleSet;
 
 /// The sample is searched this many pixels around the position: a footprint seen from the side reaches that far; the second
 /// distance covers gaps between samples that gathering closed.
@@ -63,7 +62,8 @@ pub fn pick(
         let rows = row - reach..=row + reach;
         let around = rows.flat_map(|y| (column - reach..=column + reach).map(move |x| (x, y)));
         let found = around.filter_map(|(x, y)| {
-            let (index, sample_inverse_depth) = sample_at(image, x, y)?;
+            let (column, row) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
+            let (index, sample_inverse_depth) = image.sample_at(column, row)?;
             let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let distance = match point {
                 Some(point) if sample_inverse_depth > 0.0 => {
@@ -88,19 +88,6 @@ pub fn pick(
     })
 }
 
-/// Index and inverse depth of the sample at pixel `(x, y)`, where the image holds one.
-fn sample_at(image: &SampleImage, x: i64, y: i64) -> Option<(usize, f32)> {
-    let (x, y) = (usize::try_from(x).ok()?, usize::try_from(y).ok()?);
-    let (tile_x, tile_y) = (x / TILE, y / TILE);
-    let key = |tile: &SampleTile| (usize::from(tile.tile_y), usize::from(tile.tile_x));
-    let nth_tile = image.tiles.binary_search_by_key(&(tile_y, tile_x), key).ok()?;
-    let tile = FrameTile::new(image, nth_tile);
-    let (row, column) = (y % TILE, x % TILE);
-    let nth = tile.rank(column, row);
-    let is_sampled = tile.rows[row] >> column & 1 == 1;
-    is_sampled.then(|| (image.tiles[nth_tile].first as usize + nth, tile.depths.get(nth)))
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
@@ -109,7 +96,7 @@ mod tests {
 
     use super::*;
     use crate::capture::{Camera, Intrinsics};
-    use crate::samples::{DepthPlane, Span};
+    use crate::samples::{DepthPlane, SampleImage, SampleTile, Span, TILE};
     use crate::settings::Settings;
 
     #[test]

@@ -13,6 +13,7 @@ mod plane_model;
 mod rans;
 mod table_fit;
 mod value_traversal;
+mod verdict_traversal;
 
 pub(crate) use block_traversal::{BlockShape, BlockTraversal, Coder};
 pub(crate) use coders::{
@@ -25,3 +26,4 @@ pub(crate) use plane_model::PlaneModel;
 pub(crate) use value_traversal::{
     ChannelCoding, VALUE_CONTEXTS, VALUE_TOKENS, ValuePixels, ValuePredictor, ValueScale, traverse_values,
 };
+pub(crate) use verdict_traversal::{BlockVerdicts, VERDICT_CHANNELS, traverse_verdicts};

@@ -121,6 +121,29 @@ impl<W: Write + Seek> FormWriter<W> {
         Ok(offset)
     }
 
+    /// Begins a chunk without a checksum, whose length is not known yet; gives where.
+    pub(crate) fn begin(&mut self, id: ChunkId) -> Result<u64, IffError> {
+        self.parts(id, &[])
+    }
+
+    /// Goes on with the chunk that was begun.
+    pub(crate) fn append(&mut self, bytes: &[u8]) -> Result<(), IffError> {
+        self.inner.write_all(bytes)?;
+        self.position += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// Ends the chunk that was begun at `offset`.
+    pub(crate) fn end(&mut self, offset: u64) -> Result<(), IffError> {
+        let length = self.position - offset - CHUNK_HEADER;
+        let stated = u32::try_from(length).map_err(|_| IffError::TooLarge { bytes: length })?;
+        self.append(&[0][..(length % 2) as usize])?;
+        self.inner.seek(SeekFrom::Start(offset + 4))?;
+        self.inner.write_all(&stated.to_be_bytes())?;
+        self.inner.seek(SeekFrom::Start(self.position))?;
+        Ok(())
+    }
+
     /// Replaces the chunk at `offset` by one of the same length.
     pub(crate) fn replace(&mut self, offset: u64, id: ChunkId, payload: &[u8]) -> Result<(), IffError> {
         self.inner.seek(SeekFrom::Start(offset + CHUNK_HEADER))?;

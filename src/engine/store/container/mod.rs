@@ -118,6 +118,8 @@ pub(crate) const DOUBTFUL: ChunkId = *b"DOUB";
 pub(crate) const VALUES: ChunkId = *b"VALU";
 /// The scalar values of one image.
 pub(crate) const IMAGE_VALUES: ChunkId = *b"VALI";
+/// What became of every pixel, and which camera stands for it.
+pub(crate) const VERDICTS: ChunkId = *b"VERD";
 /// Frequencies of tokens.
 pub(crate) const MODEL: ChunkId = *b"MODL";
 /// The halves that colors are made of.

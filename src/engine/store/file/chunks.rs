@@ -17,8 +17,9 @@ use crate::plural::counted;
 use crate::samples::{TILE, TILE_SAMPLES};
 use crate::settings::Settings;
 use crate::store::container::{
-    ByteReader, CHECKSUM, CHUNK_HEADER, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, HEAD, INDEX, IffError,
-    LONG_REPORT, MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, VALUES, push_varint,
+    ByteReader, CHECKSUM, CHUNK_HEADER, ChunkHeader, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, HEAD, INDEX,
+    IffError, LONG_REPORT, MODEL, PALETTE, PROVENANCE, REPORT, ReadAt, SETTINGS, VALUES, VERDICTS,
+    push_varint,
 };
 use crate::store::image::DoubtfulRuns;
 
@@ -26,6 +27,8 @@ use crate::store::image::DoubtfulRuns;
 pub(crate) struct InfoChunks {
     pub(crate) version: (u16, u16),
     payloads: BTreeMap<ChunkId, Vec<u8>>,
+    /// The first chunk of verdicts, which stays where it is.
+    pub(crate) verdicts: Option<ChunkHeader>,
 }
 
 /// Chunks that every store has once.
@@ -45,11 +48,15 @@ impl InfoChunks {
         let mut payloads = BTreeMap::new();
         let mut offset = FORM_HEADER;
         let mut required = 0;
+        let mut verdicts = None;
         while required < REQUIRED.len()
             && let Some(header) = form.header_at(offset).map_err(iff)?
         {
             if version.is_none() && header.id != HEAD {
                 return Err(in_chunk(path, HEAD, "it must be the first chunk"));
+            }
+            if header.id == VERDICTS {
+                verdicts = verdicts.or(Some(header));
             }
             if is_known(header.id) {
                 required += usize::from(REQUIRED.contains(&header.id));
@@ -76,7 +83,7 @@ impl InfoChunks {
         } else if version.1 == WITH_VALUES && !payloads.contains_key(&VALUES) {
             return Err(in_chunk(path, VALUES, "it is missing"));
         }
-        Ok(Self { version, payloads })
+        Ok(Self { version, payloads, verdicts })
     }
 
     /// Bytes of some chunks in the file.

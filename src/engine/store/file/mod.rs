@@ -5,6 +5,7 @@ mod header;
 mod info;
 mod reader;
 mod value_chunks;
+mod verdict_chunk;
 mod writer;
 
 pub use super::container::ReadAt;

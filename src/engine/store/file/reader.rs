@@ -13,13 +13,14 @@ use super::chunks::{InfoChunks, decode_doubtful, from_iff, in_chunk, is_known};
 use super::header::{ImageEntry, chain};
 use super::info::StoreInfo;
 use super::value_chunks::ValueTable;
+use super::verdict_chunk::{VerdictEntry, VerdictTable};
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::samples::{DepthPlane, SampleImage, SampleSet};
-use crate::store::codec::FrequencyTables;
+use crate::samples::{DepthPlane, PixelVerdict, SampleImage, SampleSet, Span};
+use crate::store::codec::{BLOCK, BlockVerdicts, FrequencyTables};
 use crate::store::container::{
     ChunkHeader, ChunkId, DOUBTFUL, FORM_HEADER, FormReader, IMAGE, IMAGE_VALUES, MODEL, PALETTE, ReadAt,
-    STORE, VALUES,
+    STORE, VALUES, VERDICTS,
 };
 use crate::store::image::{
     self, BlockCoding, BlockEntry, ColorRanks, Damage, Decoded, DoubtfulRuns, ImageHead, ImageValues,
@@ -37,6 +38,8 @@ pub struct Store {
     doubtful: BTreeMap<usize, DoubtfulRuns>,
     /// Scalar values, where there are any.
     values: Option<ValueTable>,
+    /// The chunk of verdicts with its table, or why it cannot be read; `None` where the store has none.
+    verdicts: Option<(ChunkHeader, std::result::Result<VerdictTable, String>)>,
     form: FormReader<Box<dyn ReadAt>>,
     /// What could not be read so far, by image.
     damage: Mutex<BTreeMap<usize, Vec<String>>>,
@@ -91,9 +94,15 @@ impl Store {
         let values = values.map(|payload| ValueTable::decode(payload, info.images.len())).transpose();
         let values = values.map_err(|what| in_chunk(path, VALUES, what))?;
         info.values = values.as_ref().map_or_else(Vec::new, |table| table.stored.clone());
+        let verdicts = chunks.verdicts.map(|header| {
+            let bytes = |range| form.plain_payload(&header, range).map_err(|error| from_iff(path, error));
+            let frames = info.frame_numbers.len();
+            (header, VerdictTable::read(header.length, info.cameras.len(), frames, bytes))
+        });
         Ok(Self {
             path: path.to_path_buf(),
             values,
+            verdicts,
             doubtful,
             info,
             model,
@@ -390,6 +399,88 @@ impl Store {
             }
         }
         Ok(damage)
+    }
+}
+
+/// What became of pixels: none of these is an image.
+impl Store {
+    /// Whether it says what became of every pixel.
+    #[must_use]
+    pub fn has_verdicts(&self) -> bool {
+        matches!(self.verdicts, Some((_, Ok(_))))
+    }
+
+    /// What became of a pixel of a camera at a frame: the span of its sample, kept or not, and the verdict on it; `None` where it has none,
+    /// and where the store says nothing of it. Only the block around the pixel is decoded.
+    ///
+    /// # Errors
+    /// `Io`; `Invalid` where that is damaged.
+    pub fn verdict_at(
+        &self,
+        frame: usize,
+        camera: usize,
+        (x, y): (usize, usize),
+    ) -> Result<Option<(Span, PixelVerdict)>> {
+        let block = (x / BLOCK, y / BLOCK);
+        let mut found = None;
+        self.each_verdict_block(
+            frame,
+            camera,
+            |at| at == block,
+            |span, (left, top), verdicts| {
+                let verdict = verdicts.get(x - left, y - top);
+                found = found.or((verdict != PixelVerdict::NONE).then_some((span, verdict)));
+            },
+        )?;
+        Ok(found)
+    }
+
+    /// Visits every pixel of a camera that has a sample at a frame, kept or not: its column and row, the span of the sample, and the
+    /// verdict on it.
+    ///
+    /// # Errors
+    /// As [`Store::verdict_at`].
+    pub fn each_verdict(
+        &self,
+        frame: usize,
+        camera: usize,
+        mut visit: impl FnMut((usize, usize), Span, PixelVerdict),
+    ) -> Result<()> {
+        self.each_verdict_block(
+            frame,
+            camera,
+            |_| true,
+            |span, (left, top), verdicts| {
+                for (x, y) in (0..BLOCK).flat_map(|y| (0..BLOCK).map(move |x| (x, y))) {
+                    let verdict = verdicts.get(x, y);
+                    if verdict != PixelVerdict::NONE {
+                        visit((left + x, top + y), span, verdict);
+                    }
+                }
+            },
+        )
+    }
+
+    fn each_verdict_block(
+        &self,
+        frame: usize,
+        camera: usize,
+        wanted: impl Fn((usize, usize)) -> bool,
+        mut visit: impl FnMut(Span, (usize, usize), &BlockVerdicts),
+    ) -> Result<()> {
+        let (Some((header, table)), Some(of_camera)) = (&self.verdicts, self.info.cameras.get(camera)) else {
+            return Ok(());
+        };
+        let table = table.as_ref().map_err(|what| in_chunk(&self.path, VERDICTS, what))?;
+        let is_asked = |entry: &&VerdictEntry| entry.camera as usize == camera && entry.span.contains(frame);
+        for entry in table.entries.iter().filter(is_asked) {
+            let (bytes, size) = (self.bytes(header, entry.range())?, of_camera.intrinsics.size());
+            let decoded = table.decode_span(&bytes, size, self.info.cameras.len(), &wanted, |at, block| {
+                visit(entry.span, at, block);
+            });
+            decoded.map_err(|what| in_chunk(&self.path, VERDICTS, what))?;
+        }
+        Ok(())
     }
 }
 

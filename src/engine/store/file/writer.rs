@@ -16,14 +16,15 @@ use super::header::{
     ImageEntry, PlaneBytes, Provenance, check_held_once, choose_references, encode_head, encode_index,
 };
 use super::value_chunks::ValueTable;
+use super::verdict_chunk::VerdictTable;
 use crate::error::{Error, Result};
 use crate::job::Job;
-use crate::samples::{ImageBuffer, ImageFacts, SampleImage, SampleSet, Span};
+use crate::samples::{ImageBuffer, ImageFacts, SampleImage, SampleSet, Span, VerdictBuffer};
 use crate::settings::StoreSettings;
 use crate::store::codec::{Counts, FrequencyTables};
 use crate::store::container::{
     ChunkId, DOUBTFUL, FormWriter, HEAD, IMAGE, IMAGE_VALUES, INDEX, LONG_REPORT, MODEL, PALETTE, PROVENANCE,
-    REPORT, SETTINGS, STORE, VALUES,
+    REPORT, SETTINGS, STORE, VALUES, VERDICTS,
 };
 use crate::store::image::{self, BlockCoding, ColorRanks, DoubtfulRuns, UsedColors};
 use crate::whole_file;
@@ -40,6 +41,8 @@ pub struct Extras {
     pub provenance: Provenance,
     /// Chunks of another store that this Overlook does not know, to be kept: id and payload as it is.
     pub unknown: Vec<(ChunkId, Vec<u8>)>,
+    /// What became of every pixel; `None` where nobody knows, or where it is among the `unknown` as another store has it.
+    pub verdicts: Option<Arc<VerdictBuffer>>,
     /// What a store held the samples to from which they were read: what the new one grants counts from the samples as they were
     /// before. `None` where they come from no store.
     pub held_to: Option<StoreSettings>,
@@ -49,7 +52,7 @@ impl Default for Extras {
     /// An empty report, and nothing else.
     fn default() -> Self {
         let (provenance, unknown) = (Provenance::default(), Vec::new());
-        Self { report: "{}".to_owned(), provenance, unknown, held_to: None }
+        Self { report: "{}".to_owned(), provenance, unknown, verdicts: None, held_to: None }
     }
 }
 
@@ -160,8 +163,14 @@ impl Input<'_> {
         let mut values = prepared.values.clone();
         let value_table = values.as_ref().map(|table| form.chunk(VALUES, &table.encode())).transpose();
         let value_table = value_table.map_err(iff)?;
-        for (id, payload) in &extras.unknown {
+        let share = f64::from(samples.settings.store.verdicts);
+        let has_verdicts = share > 0.0;
+        for (id, payload) in extras.unknown.iter().filter(|(id, _)| has_verdicts || *id != VERDICTS) {
             form.plain_chunk(*id, payload).map_err(iff)?;
+        }
+        if let Some(verdicts) = extras.verdicts.as_ref().filter(|_| has_verdicts) {
+            let most_bytes = share * prepared.sample_bytes() as f64;
+            VerdictTable::write(&mut form, verdicts, &samples.cameras, most_bytes, job, iff)?;
         }
         // The index comes before the images, so that opening a store reads its first few kilobytes only; it has its final
         // length from the start and is filled in at the end.
@@ -295,6 +304,12 @@ struct Prepared<'a> {
 }
 
 impl Prepared<'_> {
+    /// Bytes of all samples, about; values not counted.
+    fn sample_bytes(&self) -> u64 {
+        let PlaneBytes { mask, depth, green, red, blue, normals } = self.planes;
+        mask + depth + green + red + blue + normals
+    }
+
     /// The index entry of an image that is not written yet.
     fn entry(&self, index: usize) -> ImageEntry {
         let ImageFacts { camera, span, samples, tiles, .. } = *self.images.facts_of(index);

@@ -37,6 +37,16 @@ impl VisibleBlocks {
         Self { across, is_visible: vec![false; across * down] }
     }
 
+    /// The block that holds a pixel of a picture of so many columns and rows.
+    pub(crate) fn of_pixel((width, height): (usize, usize), (x, y): (usize, usize)) -> Self {
+        let mut blocks = Self::none((width.div_ceil(BLOCK), height.div_ceil(BLOCK)));
+        let place = (y / BLOCK) * blocks.across + x / BLOCK;
+        if let Some(is_visible) = blocks.is_visible.get_mut(place).filter(|_| x < width) {
+            *is_visible = true;
+        }
+        blocks
+    }
+
     /// Whether the block in a column and row is one of them.
     pub(crate) fn has(&self, (x, y): (u16, u16)) -> bool {
         self.is_visible.get(usize::from(y) * self.across + usize::from(x)).copied().unwrap_or(false)

@@ -24,19 +24,25 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> CameraText {
     let Some(witness) = cameras.get(index).filter(|_| !verdict.is_kept()) else {
         return CameraText::new(verdict.rule.sentence());
     };
-    let (x, y) = column_and_row(witness, verdict.witness_pixel);
-    let told = |before: &str, after: &str| {
-        CameraText::new(before).camera(index).words(format!(" {after}, at {x}, {y}."))
+    // A store knows the camera of a witness, not its pixel.
+    let place = match verdict.witness_pixel {
+        Verdict::NO_PIXEL => String::new(),
+        pixel => {
+            let (x, y) = column_and_row(witness, pixel);
+            format!(", at {x}, {y}")
+        }
     };
+    let told =
+        |before: &str, after: &str| CameraText::new(before).camera(index).words(format!(" {after}{place}."));
     match verdict.rule {
         Rule::LowerRate => told("Dropped: ", "samples this point more densely"),
         Rule::Tie => told("Dropped: ", "samples it as densely and comes first"),
         Rule::LaterCamera => told("Dropped: ", "shows this point and comes first"),
         Rule::MixedYields => told("Dropped: edge-blended here; the sample of ", "is clean"),
         Rule::UnsureYields => told("Dropped: no normal is known here; ", "knows it"),
-        rule => CameraText::new(format!("{} Witness: ", rule.sentence()))
-            .camera(index)
-            .words(format!(" at {x}, {y}.")),
+        rule => {
+            CameraText::new(format!("{} Witness: ", rule.sentence())).camera(index).words(format!("{place}."))
+        }
     }
 }
 
@@ -221,10 +227,16 @@ pub(crate) fn chain(cameras: &[Camera], links: &[ChainLink]) -> CameraText {
     let mut text = CameraText::default();
     for (index, link) in links.iter().enumerate() {
         let Some(camera) = cameras.get(link.camera) else { continue };
-        let (x, y) = column_and_row(camera, link.pixel);
+        let place = match link.pixel {
+            Verdict::NO_PIXEL => String::new(),
+            pixel => {
+                let (x, y) = column_and_row(camera, pixel);
+                format!(" {x}, {y}")
+            }
+        };
         let fate = if link.verdict.is_kept() { "kept" } else { "dropped" };
         let before = if index == 0 { CameraText::default() } else { CameraText::new(" » ") };
-        text = text.then(before.camera(link.camera).words(format!(" {x}, {y} ({fate})")));
+        text = text.then(before.camera(link.camera).words(format!("{place} ({fate})")));
     }
     text
 }
@@ -303,6 +315,11 @@ mod tests {
             "Dropped: 'left' samples this point more densely, at 5, 3."
         );
         assert_eq!(fate(lost).plain(&cameras), "dropped for 'left'");
+        let of_store = Verdict { witness_pixel: Verdict::NO_PIXEL, ..lost };
+        assert_eq!(
+            verdict(&cameras, of_store).plain(&cameras),
+            "Dropped: 'left' samples this point more densely."
+        );
         let kept = Verdict::without_witness(Rule::BestRate);
         assert!(verdict(&cameras, kept).plain(&cameras).starts_with("Kept:"));
         let links = [

@@ -37,6 +37,8 @@ pub(crate) enum Spot {
 pub(crate) struct ProbeKey {
     pub scene: Arc<OpenScene>,
     pub spot: Spot,
+    /// The frame shown.
+    pub frame: usize,
     /// The verdicts at the frame shown; `None` for a store, and until they are computed.
     pub inspection: Option<Same<FrameInspection>>,
     /// The whole capture's samples, for the spans of the pixel; `None` while there are none.

@@ -17,6 +17,7 @@ use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{chips, dot, empty_ui, icon_button, note, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::inspect::CameraEvidence;
+use overlook_engine::preprocess::pruning::Rule;
 
 /// Width of the summary beside the table.
 const SUMMARY: f32 = 264.0;
@@ -101,7 +102,7 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         let text = if state.has_capture() {
             pending_verdict(state, state.doc.probe.pinned)
         } else {
-            "A kept sample. The store does not record its witnesses; open its capture for them."
+            "This store does not say why samples were kept: open its capture, or make it again with a larger store.verdicts."
         };
         ui.add(Label::new(RichText::new(text).color(tokens.text_weak)).wrap());
     }
@@ -156,6 +157,12 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
 fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
     let tokens = Tokens::in_ui(ui);
     let frames = state.frame_count().max(1);
+    let has_depth =
+        probed.explanation.as_ref().is_none_or(|explanation| explanation.verdict.rule != Rule::NoSample);
+    if frames == 1 || !has_depth {
+        // Nothing lasts in one frame, and what has no depth is nowhere replaced.
+        return;
+    }
     let caption = match &probed.spans {
         None if state.has_capture() => "When it is stored is known once the capture is pruned.".to_owned(),
         None => "A store plays frame by frame; open the capture to see when the pixel is stored.".to_owned(),
@@ -198,7 +205,12 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
 fn table_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, commands: &mut Commands) {
     let Some(explanation) = &probed.explanation else { return };
     if explanation.evidence.is_empty() {
-        weak(ui, "The pixel has no depth, so that it cannot be compared with other cameras.");
+        let text = if explanation.verdict.rule == Rule::NoSample {
+            "The pixel has no depth, so that it cannot be compared with other cameras."
+        } else {
+            "What each camera shows of the point, in numbers, needs the source pictures: open the capture."
+        };
+        weak(ui, text);
         return;
     }
     let narrow = ui.available_width() < TABLE;

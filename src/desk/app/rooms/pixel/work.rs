@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use egui::ColorImage;
+use glam::DVec2;
 
 use crate::app::colormap::{dimmed, recorded};
 use crate::app::model::window::DockView;
@@ -10,11 +11,13 @@ use crate::app::model::{CameraMemory, Content, Same, State};
 use crate::app::rooms::pixel::state::{ProbeKey, Probed, Spot};
 use crate::app::work::worker::Wanted;
 use overlook_engine::capture::ValueChannel;
+use overlook_engine::job::Job;
 use overlook_engine::preprocess::inspect::{
     CameraInspection, FrameInspection, explain_pixel, spans_of_pixel,
 };
 use overlook_engine::render::output::pick;
 use overlook_engine::samples::SampleSet;
+use overlook_engine::stored_verdicts::explain_stored_pixel;
 
 impl Wanted for ProbeKey {
     fn wanted(state: &State) -> Option<Self> {
@@ -27,7 +30,8 @@ impl Wanted for ProbeKey {
         }
         let live = shown.filter(|_| is_live).map(|shown| (shown.key.clone(), Same(shown.picture.clone())));
         let inspection = state.inspection_here().cloned().map(Same);
-        Some(Self { scene, spot, inspection, whole: state.current_whole().cloned().map(Same), live })
+        let (frame, whole) = (state.timeline.frame, state.current_whole().cloned().map(Same));
+        Some(Self { scene, spot, frame, inspection, whole, live })
     }
 
     fn is_of_use(&self, state: &State) -> bool {
@@ -127,8 +131,18 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
             (picked.camera, picked.x, picked.y, picked.point_in_world, values)
         }
     };
-    let explanation = key.inspection.as_ref().and_then(|inspection| explain_pixel(inspection, camera, x, y));
-    let point_in_world = explanation.as_ref().map_or(seen, |explanation| explanation.point_in_world.or(seen));
+    let explanation = match &key.scene.content {
+        Content::Capture { .. } => {
+            key.inspection.as_ref().and_then(|inspection| explain_pixel(inspection, camera, x, y))
+        }
+        Content::Store { playback, .. } => {
+            let frame = key.live.as_ref().map_or(key.frame, |(live, _)| live.vantage.frame);
+            // What cannot be read of a store is told where its pictures are painted.
+            explain_stored_pixel(playback, frame, camera, (x, y), &Job::new()).ok().flatten()
+        }
+    };
+    let mut point_in_world =
+        explanation.as_ref().map_or(seen, |explanation| explanation.point_in_world.or(seen));
     let samples = match &key.scene.content {
         // A store that plays from disk has one frame in memory.
         Content::Store { .. } => None,
@@ -142,6 +156,18 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
     {
         let pixel = y * frame.size().0 + x;
         values = value_lines(&inspection.samples.values, frame.values.of(pixel));
+    }
+    if let (Spot::Source { .. }, Some(playback)) = (key.spot, key.scene.playback()) {
+        // What cannot be read of a store is told where its pictures are painted.
+        let stored = playback.sample_at(key.frame, camera, (x, y), &Job::new()).ok().flatten();
+        if let Some(sample) = stored {
+            let (center, inverse_depth) =
+                (DVec2::new(x as f64, y as f64) + 0.5, f64::from(sample.inverse_depth));
+            let is_surface = inverse_depth > 0.0;
+            point_in_world =
+                is_surface.then(|| key.scene.cameras[camera].unproject(center, 1.0 / inverse_depth));
+            values = value_lines(&playback.outline().values, &sample.values);
+        }
     }
     Some(Probed { spot: key.spot, camera, x, y, point_in_world, explanation, spans, values })
 }
