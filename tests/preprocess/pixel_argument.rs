@@ -195,6 +195,26 @@ fn outside_the_picture_there_is_nothing_to_argue_about() {
 }
 
 #[test]
+fn pairs_of_one_surface_need_no_more_than_the_depth_tolerance_whatever_noise_they_have() {
+    let settings = Settings::default();
+    let noisy = DemoSpec::new("orrery").cameras(4).frames(3).size((96, 72)).noise(0.05);
+    let noisy = Demo::new(&noisy).unwrap().capture(&settings.capture);
+    for capture in [capture(), noisy] {
+        let (_, inspection) = inspected(&capture, &settings);
+        let pairs = pair_quantities(&inspection, 5000);
+        let same: Vec<f32> = pairs
+            .iter()
+            .filter(|pair| matches!(pair.outcome, Outcome::Same(_)))
+            .map(|pair| pair.depth_tolerance_needed)
+            .collect();
+        let most = same.iter().copied().fold(0.0, f32::max);
+        assert!(same.len() > 100 && most <= settings.pruning.depth_tolerance * 1.001, "{most}");
+        let beyond = pairs.iter().filter(|pair| pair.depth_tolerance_needed > 2.0).count();
+        assert!(beyond > 10, "{beyond} pairs are of two surfaces");
+    }
+}
+
+#[test]
 fn a_rendered_pixel_leads_back_to_the_sample_that_painted_it() {
     let (_, inspection) = inspected(&capture(), &Settings::default());
     let samples = &inspection.samples;

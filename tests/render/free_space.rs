@@ -9,7 +9,7 @@ use glam::DVec3;
 use overlook_engine::capture::Camera;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
-use overlook_engine::render::{CpuRenderer, NO_IMAGE, Picture, Vantage};
+use overlook_engine::render::{CpuRenderer, NO_IMAGE, Picture, Vantage, background_holes};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Fill, Kernel, PruningMethod, RenderSettings, Settings};
 
@@ -368,6 +368,27 @@ fn a_hole_that_objects_cut_out_of_the_sky_of_every_camera_is_filled_with_the_sky
             }
         }
     }
+}
+
+#[test]
+fn what_is_filled_with_the_sky_counts_as_background_only_where_a_camera_saw_it() {
+    let scene = before_blue_sky(vec![block([-0.6, 0.6], [-0.3, 0.3], [3.0, 3.2], RED)]);
+    let set = samples(&scene, &[eye(-0.3, 0.0, SIZE), eye(0.3, 0.0, SIZE)], PruningMethod::HighestRate);
+    let camera = eye(0.0, -0.6, SIZE);
+    let [mut picture, _] = painted(&set, &camera, Kernel::Gather, Fill::PushPull);
+    let vantage = Vantage { camera, frame: 0 };
+    let shows_sky = |picture: &Picture| {
+        let pixels = picture.image.as_slice().iter().zip(picture.inverse_depth.as_slice());
+        pixels.filter(|(image, depth)| **image == NO_IMAGE && **depth == 0.0).count() as u64
+    };
+    let seen = background_holes(&picture, &set, &vantage).unwrap();
+    // Straight ahead both cameras have the box before it.
+    assert!(shows_sky(&picture) > 200 && 4 * seen < shows_sky(&picture), "{seen} of {}", shows_sky(&picture));
+    // As if no sample reached anything: what is above and below the box was seen.
+    picture.image.as_mut_slice().fill(NO_IMAGE);
+    picture.inverse_depth.as_mut_slice().fill(0.0);
+    let seen = background_holes(&picture, &set, &vantage).unwrap();
+    assert!(2 * seen > shows_sky(&picture) && seen < shows_sky(&picture), "{seen}");
 }
 
 #[test]

@@ -93,12 +93,6 @@ fn width_of_names<'a>(ui: &Ui, names: impl IntoIterator<Item = &'a str>) -> f32 
     names.into_iter().map(|name| width(name) + SEGMENT_GAP).sum::<f32>() + 1.0
 }
 
-/// Least width of a row of choices, points.
-pub(crate) fn least_width_of_segments<T>(ui: &Ui, choices: &[(T, &'static str, &'static str)]) -> f32 {
-    let names = width_of_names(ui, choices.iter().map(|(_, name, _)| *name));
-    names + 2.0 * SEGMENT_PADDING[0] * choices.len() as f32
-}
-
 /// Usual width of a row of choices, points.
 pub(crate) fn width_of_segments<T>(ui: &Ui, choices: &[(T, &'static str, &'static str)]) -> f32 {
     let names = width_of_names(ui, choices.iter().map(|(_, name, _)| *name));

@@ -18,7 +18,7 @@ pub(crate) const WAY: WayOut = WayOut {
 
 /// A store.
 pub(crate) const STORE: FileKind =
-    FileKind { action: Action::Save, ..FileKind::of_samples("Share the store", &["ovl"], "") };
+    FileKind { action: Action::Save, ..FileKind::of_samples("Save the store", &["ovl"], "") };
 
 /// So many samples, and what each takes of some bytes.
 pub(super) fn samples_of(samples: u64, bytes: f64) -> String {

@@ -445,7 +445,9 @@ mod tests {
     #[test]
     fn a_layout_with_a_view_that_no_longer_exists_keeps_the_others_where_they_were() {
         let mut dock = Dock::new();
-        dock.open(DockView::Stability);
+        for view in [DockView::Stability, DockView::Live] {
+            dock.open(view);
+        }
         dock.show_area(Area::Source, false);
         let text = dock.to_json().replace("\"Stability\"", "\"Memory\"").replace("\"Time\"", "\"Log\"");
         let again = Dock::from_json(&text);

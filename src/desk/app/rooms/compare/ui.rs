@@ -16,9 +16,7 @@ use crate::app::rooms::compare::{about_pixel, figures};
 use crate::app::rooms::source::ui::legend;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets;
-use crate::app::widgets::{
-    choice_ui, empty_ui, icon_button, least_width_of_segments, one_line, scrolled, segments_ui, waiting,
-};
+use crate::app::widgets::{choice_ui, empty_ui, icon_button, one_line, scrolled, segments_ui, waiting};
 
 /// Height of the lines below the picture.
 const FOOTER: f32 = 48.0;
@@ -78,20 +76,10 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, commands: &mut 
         });
         pictures_menu_ui(ui, state, commands);
     });
-    let is_done = ui.horizontal(|ui| {
-        if let Some(mode) = segments_ui(ui, "Compare by", look.mode, CompareMode::ALL) {
-            look.mode = mode;
-        }
-        ui.add_space(space::MEDIUM);
-        let fits = ui.available_width() >= least_width_of_segments(ui, &CompareMeasure::ALL);
-        if fits {
-            measure_ui(ui, look);
-        }
-        fits
-    });
-    if !is_done.inner {
-        measure_ui(ui, look);
+    if let Some(mode) = segments_ui(ui, "Compare by", look.mode, CompareMode::ALL) {
+        look.mode = mode;
     }
+    measure_ui(ui, look);
 }
 
 /// What a difference is measured in, where one is shown.

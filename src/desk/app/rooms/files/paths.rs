@@ -134,7 +134,7 @@ impl OverlookApp {
                 self.type_path(purpose, Some(NO_DIALOG_WORDS.to_owned()));
             }
             None => {
-                self.state.notify(NoticeKind::Done, "No path was chosen", "Nothing was opened or written.")
+                self.state.notify(NoticeKind::Done, "No path was chosen", "Nothing was opened or written.");
             }
         }
     }
@@ -372,6 +372,10 @@ pub(crate) fn place(text: &str) -> Option<PathBuf> {
 pub(crate) fn named(purpose: Purpose, path: PathBuf) -> Option<PathBuf> {
     let endings = purpose.asked().endings;
     let Some(usual) = endings.first().filter(|_| purpose.writes()) else { return Some(path) };
+    // Who types a whole name over the proposed stem has its ending twice.
+    let text = path.display().to_string();
+    let path =
+        text.strip_suffix(&format!(".{usual}.{usual}")).map_or(path, |stem| format!("{stem}.{usual}").into());
     // Digits after a dot, as in `take.2`, are part of the name; any other ending was typed on purpose.
     let typed = path.extension().map(|typed| typed.to_string_lossy().into_owned());
     let typed = typed.filter(|typed| typed.len() > 1 && !typed.chars().all(|c| c.is_ascii_digit()));
@@ -408,6 +412,7 @@ mod tests {
         assert_eq!(named(Purpose::Share(&STORE), "/a/capture"), PathBuf::from("/a/capture.ovl"));
         assert_eq!(named(Purpose::Share(&STORE), "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
         assert_eq!(named(Purpose::Share(&STORE), "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
+        assert_eq!(named(Purpose::Share(&STORE), "/a/clean.ovl.ovl"), PathBuf::from("/a/clean.ovl"));
         assert_eq!(named(Purpose::SaveSettings, "/a/mine"), PathBuf::from("/a/mine.toml"));
         assert_eq!(named(Purpose::Share(&VIDEO), "/a/b.m4v"), PathBuf::from("/a/b.m4v"));
         assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));

@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use crate::address::ViewAddress;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::texture::{RECENT_SIDES, smaller};
-use crate::app::rooms::path::MOST_ON_A_LEG;
 use overlook_engine::capture::transforms::{Easing, PathView, path_from_json, path_to_json};
 use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
@@ -226,6 +225,9 @@ fn legs(views: &[PathView]) -> Vec<usize> {
     keys.iter().zip(ends).map(|(key, end)| end - key).collect()
 }
 
+/// More pictures from one key to the next are a damaged file.
+const MOST_PICTURES: usize = 2000;
+
 /// The views of a path of keys with so many pictures from each to the next: the pace is what matters of those between.
 fn with_pictures(keys: Vec<PathView>, legs: &[usize]) -> Vec<PathView> {
     if keys.len() != legs.len() {
@@ -233,7 +235,7 @@ fn with_pictures(keys: Vec<PathView>, legs: &[usize]) -> Vec<PathView> {
     }
     let leg = |(key, count): (PathView, &usize)| {
         let between = PathView { is_key: false, ..key.clone() };
-        let others = std::iter::repeat_n(between, (*count).clamp(1, MOST_ON_A_LEG) - 1);
+        let others = std::iter::repeat_n(between, (*count).clamp(1, MOST_PICTURES) - 1);
         std::iter::once(key).chain(others)
     };
     keys.into_iter().zip(legs).flat_map(leg).collect()
@@ -333,7 +335,9 @@ mod tests {
     fn a_session_beside_its_capture_is_found_where_both_were_moved() {
         let folder = tempfile::tempdir().unwrap();
         let [sessions, capture] = ["sessions", "capture"].map(|name| folder.path().join("moved").join(name));
-        std::fs::create_dir_all(&capture).unwrap();
+        for place in [&sessions, &capture] {
+            std::fs::create_dir_all(place).unwrap();
+        }
         let text = session("/data/project/capture").to_text(Path::new("/data/project/sessions/a.overlook"));
         let read = Session::from_text(&text.unwrap(), &sessions.join("a.overlook")).unwrap();
         assert_eq!(read.opens, sessions.join("../capture"));

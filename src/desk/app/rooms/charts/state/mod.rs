@@ -311,19 +311,13 @@ impl Study {
 }
 
 /// What is chosen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct StudyChoice {
     /// What is not measured: settings by their paths; methods, kernels and disturbances by their names.
     pub left_out: BTreeSet<String>,
     pub fineness: Fineness,
     /// `None` until everything is measured.
     pub budget: Option<Duration>,
-}
-
-impl Default for StudyChoice {
-    fn default() -> Self {
-        Self { left_out: BTreeSet::new(), fineness: Fineness::default(), budget: None }
-    }
 }
 
 impl StudyChoice {

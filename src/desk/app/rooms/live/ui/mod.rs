@@ -132,14 +132,14 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
 fn place_of(state: &State, lens: &Intrinsics, canvas: Rect) -> Rect {
     let (width, height) = (lens.width as f32, lens.height as f32);
     let now = state.live_camera([canvas.width() as u32, canvas.height() as u32]);
-    let Some(now) = now.filter(|_| (width / height / canvas.aspect_ratio() - 1.0).abs() > RESHAPED) else {
+    let Some(now) = now.filter(|_| !SAME_SHAPE.contains(&(width / height / canvas.aspect_ratio()))) else {
         return canvas;
     };
     Rect::from_center_size(canvas.center(), vec2(width, height) * (now.intrinsics.fx / lens.fx) as f32)
 }
 
-/// From which relative difference on a picture has another shape than its canvas, beyond whole pixels.
-const RESHAPED: f32 = 0.02;
+/// Ratios of the shapes of a picture and its canvas that whole pixels explain.
+const SAME_SHAPE: std::ops::Range<f32> = 0.98..1.02;
 
 /// Selects what is drawn or clicked on; true while a tool for that is on.
 fn draw_ui(

@@ -41,10 +41,6 @@ pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
     commands.extend(sent.into_iter().map(Command::View));
 }
 
-fn grid_ui(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui)) {
-    Grid::new(name).num_columns(2).spacing([space::LARGE, 6.0]).show(ui, contents);
-}
-
 fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
     heading_ui(ui, "Lens");
     let mut degrees = orbit.angle_of_view() * 180.0 / PI;
@@ -134,7 +130,7 @@ fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
 
 fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
     heading_ui(ui, "Navigation");
-    grid_ui(ui, "moving", |ui| {
+    Grid::new("moving").num_columns(2).spacing([space::LARGE, 6.0]).show(ui, |ui| {
         ui.label("Fly speed");
         let mut speed = state.live.fly_speed;
         let slider = Slider::new(&mut speed, FLY_SPEEDS).logarithmic(true).suffix("×").max_decimals(2);

@@ -33,7 +33,7 @@ pub(crate) fn report_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             rules_ui(ui, report);
             ui.add_space(space::LARGE);
             cameras_ui(ui, report);
-            memory_ui(ui, state);
+            memory_ui(ui, state, &order(report));
         };
         let pairs = |ui: &mut Ui| {
             replacements_ui(ui, report);
@@ -403,17 +403,15 @@ fn accuracy_figure(
 }
 
 /// What the samples of each camera take, where they are in memory: a store plays from disk.
-fn memory_ui(ui: &mut Ui, state: &State) {
+fn memory_ui(ui: &mut Ui, state: &State, order: &[usize]) {
     let (Some(scene), Some(cameras)) = (&state.doc.scene, &state.doc.memory) else { return };
     let bytes = |camera: &CameraMemory| camera.lasting_bytes + camera.frame_bytes;
     let total: u64 = cameras.iter().map(bytes).sum();
     ui.add_space(space::LARGE);
     ui.heading("Memory");
     note(ui, format!("{} of samples in memory, by camera.", model::bytes(total)));
-    let mut order: Vec<usize> = (0..cameras.len().min(scene.cameras.len())).collect();
-    order.sort_by_key(|index| std::cmp::Reverse(bytes(&cameras[*index])));
-    for index in order {
-        let (memory, camera) = (&cameras[index], &scene.cameras[index]);
+    for &index in order {
+        let Some((memory, camera)) = cameras.get(index).zip(scene.cameras.get(index)) else { continue };
         let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
         let share = bytes(memory) as f32 / total.max(1) as f32;
         share_ui(ui, &camera.name, &figure, share, camera_cues::color(index)).on_hover_text(format!(

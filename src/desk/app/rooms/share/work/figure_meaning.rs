@@ -11,8 +11,7 @@ use crate::app::model::picture::{
     ColorBy, HoleDisplay, Legend, LiveKey, Overlay, RATIO_RANGE, VIEW_DEPENDENCE_RANGE, ranked,
 };
 use crate::app::rooms::compare::state::{CLASSES, CompareMeasure, ComparisonFigure, ShownSides};
-use crate::app::rooms::source::ui::legend::empty_tiles;
-use crate::app::rooms::source::work::UNKNOWN;
+use crate::app::rooms::source::work::{UNKNOWN, empty_tiles};
 use crate::app::theme::Tokens;
 use crate::ways_out::figure::Unit;
 use overlook_engine::capture::Camera;

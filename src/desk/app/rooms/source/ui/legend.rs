@@ -9,7 +9,7 @@ use crate::app::model::picture::{
     ColorBy, HoleDisplay, Legend, Overlay, RATIO_RANGE, SourceKey, VIEW_DEPENDENCE_RANGE, ranked,
 };
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::source::work::UNKNOWN;
+use crate::app::rooms::source::work::{UNKNOWN, empty_tiles};
 use crate::app::theme::Tokens;
 use crate::app::widgets::one_line;
 use crate::app::{camera_cues, model};
@@ -112,12 +112,6 @@ fn unknown_ui(ui: &mut Ui, share: f64, help: &str) {
         let name = format!("seen once {:.1} %", 100.0 * share);
         swatch_ui(ui, dimmed(Color32::GRAY, UNKNOWN), &name).on_hover_text(help);
     }
-}
-
-/// What is said of the tiles that show the dark picture.
-pub(crate) fn empty_tiles(shares: &Grid<f32>) -> String {
-    let empty = shares.as_slice().iter().filter(|share| **share == 0.0).count();
-    format!("empty {}", model::percent(empty as u64, shares.len() as u64))
 }
 
 /// The gray of pixels without depth, where there are any, with their share.

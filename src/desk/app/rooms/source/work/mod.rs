@@ -9,7 +9,7 @@ use crate::app::colormap::{agreeing, dimmed, diverging, mix, recorded, sequentia
 use crate::app::model::picture::{
     Legend, Overlay, RATIO_RANGE, SourceKey, SourcePicture, VIEW_DEPENDENCE_RANGE, ranked,
 };
-use crate::app::model::{Message, OpenScene, Same, State};
+use crate::app::model::{Message, OpenScene, Same, State, percent};
 use crate::app::theme::Tokens;
 use crate::app::work::develop::{background_at, displayed, histogram_of};
 use crate::app::work::worker::Wanted;
@@ -287,6 +287,12 @@ fn tiles(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, 
         }
     });
     (pixels, Legend::Tiles(shares))
+}
+
+/// What is said of the tiles that show the dark picture.
+pub(crate) fn empty_tiles(shares: &Grid<f32>) -> String {
+    let empty = shares.as_slice().iter().filter(|share| **share == 0.0).count();
+    format!("empty {}", percent(empty as u64, shares.len() as u64))
 }
 
 /// Brightness of pixels that no other camera shows.
