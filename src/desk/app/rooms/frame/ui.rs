@@ -319,7 +319,6 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
     }
     let area = egui::Area::new(Id::unique("notices")).order(Order::Foreground);
     let area = match widgets::drawn_picture(ctx, "live picture") {
-        // Over the lower edge of the picture, where no button is.
         Some(picture) => {
             let right = ctx.content_rect().right() - WIDTH - space::LARGE;
             let corner = egui::pos2((picture.left() + 8.0).min(right), picture.bottom() - 8.0);
@@ -329,7 +328,6 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
             let below = space::STATUS + space::TIMELINE + 2.0 * space::LARGE;
             area.anchor(Align2::LEFT_BOTTOM, egui::vec2(space::LARGE + 8.0, -below))
         }
-        // Above the ways to open something.
         None => {
             let offset = egui::vec2(space::LARGE + 8.0, space::TOP_BAR + space::TOTALS + space::LARGE);
             area.anchor(Align2::LEFT_TOP, offset)

@@ -332,7 +332,6 @@ pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Com
     let modal = Modal::new(Id::unique("what to measure")).frame(frame).show(ctx, |ui| {
         ui.set_width(WIDTH.min(ctx.content_rect().width() - 2.0 * space::LARGE));
         ui.heading(study.name());
-        ui.add_space(space::SMALL);
         let amounts = [
             (Some(StudyChoice::quick()), "Quick"),
             (Some(StudyChoice::default()), "Full"),

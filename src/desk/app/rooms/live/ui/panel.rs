@@ -34,7 +34,6 @@ pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands)
         // The rows are closer than what follows.
         ui.scope(|ui| camera_list_ui(ui, state, commands));
         moving_ui(ui, state, &mut sent);
-        ui.add_space(space::MEDIUM);
         fold_ui(ui, "Guides", "view", false, |ui| guides_ui(ui, state, &mut sent));
         fold_ui(ui, "Pose", "view", false, |ui| pose_ui(ui, state, orbit, &mut sent));
     });
