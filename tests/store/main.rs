@@ -9,3 +9,4 @@ mod contract;
 mod playback;
 mod second_reader;
 mod trust;
+mod verdicts;

@@ -3,13 +3,15 @@
 mod guides;
 pub(crate) mod panel;
 
-use egui::{Button, Painter, PointerButton, Rect, Response, RichText, Sense, Ui, vec2};
+use egui::{Button, Label, Painter, PointerButton, Rect, Response, RichText, Sense, TextStyle, Ui, vec2};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
-use crate::app::model::command::{DrawnDepth, EditTool, ViewCommand};
+use crate::app::model::camera_text::CameraText;
+use crate::app::model::command::{DrawnDepth, EditTool, ViewCommand, WindowCommand};
 use crate::app::model::picture::HoleDisplay;
 use crate::app::model::purpose::FigureOf;
+use crate::app::model::window::DockView;
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::picture_menu::picture_menu_ui;
 use crate::app::rooms::cameras::mark;
@@ -19,11 +21,11 @@ use crate::app::rooms::change::ui as change;
 use crate::app::rooms::edits::ui::drawing::{self, Drawn, PicturePlace, shape_ui};
 use crate::app::rooms::edits::ui::tools_ui;
 use crate::app::rooms::live::ui::guides::{color_under, inverse_depth_at, pixel_at};
-use crate::app::rooms::pixel::FAILED_FRAME;
 use crate::app::rooms::pixel::state::Spot;
+use crate::app::rooms::pixel::{FAILED_FRAME, verdict};
 use crate::app::rooms::source::ui::{FOOTER, legend, point_at};
 use crate::app::theme::Tokens;
-use crate::app::widgets::{self, icon_button, one_line, picture, scrolled, segments_ui, waiting};
+use crate::app::widgets::{self, chips, icon_button, one_line, picture, scrolled, segments_ui, waiting};
 use overlook_engine::capture::Intrinsics;
 use overlook_engine::capture::sighting::tolerances::MARKED_SURFACE;
 use overlook_engine::capture::sighting::{Sighting, compare};
@@ -46,7 +48,26 @@ pub(crate) fn live_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
     ui.add_space(2.0);
     legend::live_legend_ui(ui, state);
     ui.spacing_mut().item_spacing.y = 1.0;
-    facts_ui(ui, state);
+    if !pinned_verdict_ui(ui, state, commands) {
+        facts_ui(ui, state);
+    }
+}
+
+/// The verdict on the pinned pixel where no panel explains it; a click on it opens the panel that does. False where there is none.
+fn pinned_verdict_ui(ui: &mut Ui, state: &State, commands: &mut Commands) -> bool {
+    let probe = &state.doc.probe;
+    let probed = probe.shown.as_ref().filter(|_| probe.pinned && !state.shows(DockView::Pixel));
+    let shown = state.doc.scene.as_ref().zip(probed);
+    let Some((scene, probed)) = shown else { return false };
+    let Some(explanation) = &probed.explanation else { return false };
+    let line = CameraText::default().camera(probed.camera).words(format!(" {}, {}: ", probed.x, probed.y));
+    let line = line.then(verdict(&scene.cameras, explanation.verdict));
+    let line = chips(ui, &line, &scene.cameras, &TextStyle::Small, Tokens::in_ui(ui).text);
+    let label = Label::new(line).truncate().sense(Sense::click());
+    if ui.add(label).on_hover_text("Click to open Pixel, which says why.").clicked() {
+        commands.push(Command::Window(WindowCommand::OpenView(DockView::Pixel)));
+    }
+    true
 }
 
 fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
