@@ -353,3 +353,35 @@ fn sources_that_another_program_has_to_convert_say_how() {
         "{said}"
     );
 }
+
+#[test]
+fn a_table_of_cinema_leaves_out_short_and_repeated_rows_and_may_have_semicolons() {
+    let folder = Folder::new();
+    let centered = Intrinsics::centered(64, 48, 60.0);
+    let angle = 2.0 * (24.0_f64 / 60.0).atan().to_degrees();
+    let head = "time,position_x,position_y,position_z,focal_point_x,focal_point_y,focal_point_z,view_angle,FILE,FILE_depth";
+    let mut rows = vec![head.to_owned()];
+    for (step, camera) in cameras(centered).iter().enumerate() {
+        folder.put(&format!("{step}.png"), &color(camera, ImageFormat::Png));
+        let mut depth = b"\x93NUMPY\x01\x00\x46\x00".to_vec();
+        depth.extend(
+            format!("{:<70}", "{'descr': '<f4', 'fortran_order': False, 'shape': (48, 64), }").bytes(),
+        );
+        depth.extend(scene::depths(camera).iter().flat_map(|z| (*z as f32).to_le_bytes()));
+        folder.put(&format!("{step}.npy"), &depth);
+        let (eye, ahead) = (camera.position_in_world(), camera.world_from_camera.matrix3.z_axis);
+        let numbers = [eye.to_array(), (eye + ahead).to_array()].concat();
+        let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+        rows.push(format!("0,{},{angle},{step}.png,{step}.npy", numbers.join(",")));
+    }
+    rows.push(rows[1].clone());
+    rows.push("0,1,2".to_owned());
+    folder.put("data.csv", rows.join("\n").as_bytes());
+    let said = Source::find(&folder.path("")).unwrap().description().lines().join("\n");
+    assert!(said.contains("left out: 1 of a place and a time that another row has (first: 0.png)"), "{said}");
+    assert!(said.contains("(first: data.csv, line 6)"), "{said}");
+    assert_eq!(open(&folder).unwrap().cameras.len(), VIEWS);
+    let spreadsheet = rows[..=VIEWS].join("\n").replace(',', ";").replace('.', ",").replace(",png", ".png");
+    folder.put("data.csv", spreadsheet.replace(",npy", ".npy").as_bytes());
+    assert_eq!(open(&folder).unwrap().cameras.len(), VIEWS);
+}
