@@ -7,6 +7,7 @@
 //!
 //! All places count from the start of the payload, so that whoever does not know the chunk may copy it.
 
+use std::fmt::Display;
 use std::io::{Seek, Write};
 use std::ops::Range;
 
@@ -292,7 +293,7 @@ impl VerdictTable {
     }
 }
 
-fn invalid(what: String) -> Error {
+fn invalid(what: impl Display) -> Error {
     Error::invalid("verdicts", format!("cannot be written: {what}"))
 }
 
