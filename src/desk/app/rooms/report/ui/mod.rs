@@ -372,8 +372,9 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
     for difference in told {
         let figure = figures.iter_mut().find(|figure| figure.name == difference.name);
         if let (Some(figure), Some(change)) = (figure, difference.change) {
-            figure.help += &format!(" {} before the last change of settings: {change}.", difference.before);
-            figure.note = change.split(" (").next().unwrap_or_default().to_owned();
+            let before = &difference.before;
+            figure.help = format!("{} {before} before the last change of settings: {change}.", figure.help);
+            change.split(" (").next().unwrap_or_default().clone_into(&mut figure.note);
         }
     }
     figures
