@@ -135,5 +135,7 @@ fn damaged_verdicts_are_an_error_and_leave_the_samples_whole() {
         assert!(!errors.is_empty(), "byte {at} of {start} + {length}");
         assert!(errors[0].to_string().contains("chunk 'VERD'"), "{}", errors[0]);
         assert_eq!(store::read(&path, &job).unwrap().0.images, samples);
+        let told = store::playback::verify(&path, &job).unwrap().damage;
+        assert!(told.iter().any(|line| line.contains("chunk 'VERD'")), "{told:?}");
     }
 }

@@ -68,12 +68,11 @@ fn named_around(verdicts: &[PixelVerdict], at: usize) -> ([(u16, u8); 4], usize)
         if !has_witness(rule) {
             continue;
         }
-        match named[..count].iter_mut().find(|(other, _)| *other == witness) {
-            Some((_, times)) => *times += 1,
-            None => {
-                named[count] = (witness, 1);
-                count += 1;
-            }
+        if let Some((_, times)) = named[..count].iter_mut().find(|(other, _)| *other == witness) {
+            *times += 1;
+        } else {
+            named[count] = (witness, 1);
+            count += 1;
         }
     }
     named[..count].sort_by_key(|(_, times)| std::cmp::Reverse(*times));

@@ -292,7 +292,7 @@ impl VerdictTable {
     }
 }
 
-fn invalid(what: String) -> Error {
+fn invalid(what: impl std::fmt::Display) -> Error {
     Error::invalid("verdicts", format!("cannot be written: {what}"))
 }
 
