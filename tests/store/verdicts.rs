@@ -14,7 +14,7 @@ use overlook_engine::stored_verdicts::verdict_in_store;
 use std::path::Path;
 use std::sync::Arc;
 
-fn capture(scene: &str) -> Arc<Capture> {
+fn capture(scene: &str) -> Capture {
     let demo = Demo::new(&DemoSpec::new(scene).cameras(4).frames(5).size((150, 100))).unwrap();
     demo.capture(&CaptureSettings::default())
 }
@@ -129,10 +129,13 @@ fn damaged_verdicts_are_an_error_and_leave_the_samples_whole() {
         std::fs::write(&path, &damaged).unwrap();
         let store = Store::open(&path).unwrap();
         let asked = (0..4).flat_map(|camera| (0..5).map(move |frame| (camera, frame)));
-        let errors: Vec<_> =
-            asked.filter_map(|(camera, frame)| store.each_verdict(frame, camera, |..| {}).err()).collect();
+        let errors: Vec<_> = asked
+            .filter_map(|(camera, frame)| store.each_verdict(frame, camera, |_, _, _| {}).err())
+            .collect();
         assert!(!errors.is_empty(), "byte {at} of {start} + {length}");
         assert!(errors[0].to_string().contains("chunk 'VERD'"), "{}", errors[0]);
         assert_eq!(store::read(&path, &job).unwrap().0.images, samples);
+        let told = store::playback::verify(&path, &job).unwrap().damage;
+        assert!(told.iter().any(|line| line.contains("chunk 'VERD'")), "{told:?}");
     }
 }

@@ -276,6 +276,7 @@ pub fn verify(path: &Path, job: &Job) -> Result<Verification> {
     let input_bytes = INPUT_PIXEL_BYTES * (pixels * frames) as f64;
     let mut damage = playback.store().check_chunks()?;
     damage.extend(playback.store().damage());
+    damage.extend(playback.store().check_verdicts().err().map(|error| error.to_string()));
     Ok(Verification {
         images: info.images.len(),
         frames,

@@ -468,13 +468,29 @@ impl Store {
         wanted: impl Fn((usize, usize)) -> bool,
         mut visit: impl FnMut(Span, (usize, usize), &BlockVerdicts),
     ) -> Result<()> {
-        let (Some((header, table)), Some(of_camera)) = (&self.verdicts, self.info.cameras.get(camera)) else {
-            return Ok(());
-        };
+        let is_asked = |entry: &VerdictEntry| entry.camera as usize == camera && entry.span.contains(frame);
+        self.decode_verdicts(is_asked, wanted, &mut visit)
+    }
+
+    /// Decodes all verdicts.
+    ///
+    /// # Errors
+    /// As [`Store::verdict_at`].
+    pub(crate) fn check_verdicts(&self) -> Result<()> {
+        self.decode_verdicts(|_| true, |_| true, |_, _, _| {})
+    }
+
+    fn decode_verdicts(
+        &self,
+        is_asked: impl Fn(&VerdictEntry) -> bool,
+        wanted: impl Fn((usize, usize)) -> bool,
+        mut visit: impl FnMut(Span, (usize, usize), &BlockVerdicts),
+    ) -> Result<()> {
+        let Some((header, table)) = &self.verdicts else { return Ok(()) };
         let table = table.as_ref().map_err(|what| in_chunk(&self.path, VERDICTS, what))?;
-        let is_asked = |entry: &&VerdictEntry| entry.camera as usize == camera && entry.span.contains(frame);
-        for entry in table.entries.iter().filter(is_asked) {
-            let (bytes, size) = (self.bytes(header, entry.range())?, of_camera.intrinsics.size());
+        for entry in table.entries.iter().filter(|entry| is_asked(entry)) {
+            let size = self.info.cameras[entry.camera as usize].intrinsics.size();
+            let bytes = self.bytes(header, entry.range())?;
             let decoded = table.decode_span(&bytes, size, self.info.cameras.len(), &wanted, |at, block| {
                 visit(entry.span, at, block);
             });
