@@ -375,7 +375,8 @@ fn what_is_filled_with_the_sky_counts_as_background_only_where_a_camera_saw_it()
     let scene = before_blue_sky(vec![block([-0.6, 0.6], [-0.3, 0.3], [3.0, 3.2], RED)]);
     let set = samples(&scene, &[eye(-0.3, 0.0, SIZE), eye(0.3, 0.0, SIZE)], PruningMethod::HighestRate);
     let camera = eye(0.0, -0.6, SIZE);
-    let [mut picture, _] = painted(&set, &camera, Kernel::Gather, Fill::PushPull);
+    let [picture, _] = painted(&set, &camera, Kernel::Gather, Fill::PushPull);
+    let mut picture = picture.as_ref().clone();
     let vantage = Vantage { camera, frame: 0 };
     let shows_sky = |picture: &Picture| {
         let pixels = picture.image.as_slice().iter().zip(picture.inverse_depth.as_slice());
