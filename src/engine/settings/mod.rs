@@ -136,7 +136,7 @@ section! {
         depth_precision: f32 = 0.0625, "footprints", ValueKind::Number { min: 0.001, max: 1.0, log: true };
         /// How samples are coded.
         coding: Coding = Coding::Modeled, "", ValueKind::Choice(Coding::NAMES);
-        /// What became of every pixel and which camera stands for it is stored where it takes at most this share beside the samples; 0 for
+        /// What became of every pixel, and which camera replaces it, is stored where that takes at most this share beside the samples; 0 for
         /// never. The window explains pixels of a store by it.
         verdicts: f32 = 0.1, "of the samples' bytes", ValueKind::Number { min: 0.0, max: 4.0, log: false };
     }

@@ -6,8 +6,13 @@
 
 use super::neighborhood::{BLOCK, CELLS, STRIDE, cell};
 use super::value_traversal::ValueCoder;
-use crate::samples::{PixelVerdict, TILE};
 
+/// Columns and rows of a tile.
+const TILE: usize = BLOCK / 4;
+/// A rule and a witness.
+pub(crate) type CodedVerdict = (u8, u16);
+/// No sample, and no witness.
+const NONE: CodedVerdict = (0, u16::MAX);
 /// Rules are numbers below this one.
 pub(crate) const RULES: u8 = 12;
 /// The rules by which a sample yields to a witness.
@@ -33,38 +38,38 @@ pub(crate) struct BlockVerdicts {
     /// Tiles that hold a sample: bit 4y + x for the one in column x, row y.
     pub(crate) tiles: u16,
     /// By [`cell`].
-    verdicts: Vec<PixelVerdict>,
+    verdicts: Vec<CodedVerdict>,
 }
 
 impl BlockVerdicts {
     /// Without any verdict.
     pub(crate) fn new() -> Self {
-        Self { tiles: 0, verdicts: vec![PixelVerdict::NONE; CELLS] }
+        Self { tiles: 0, verdicts: vec![NONE; CELLS] }
     }
 
     /// Forgets every verdict.
     pub(crate) fn clear(&mut self) {
         self.tiles = 0;
-        self.verdicts.fill(PixelVerdict::NONE);
+        self.verdicts.fill(NONE);
     }
 
     /// Notes a verdict.
-    pub(crate) fn set(&mut self, x: usize, y: usize, verdict: PixelVerdict) {
+    pub(crate) fn set(&mut self, x: usize, y: usize, verdict: CodedVerdict) {
         self.tiles |= 1 << (y / TILE * (BLOCK / TILE) + x / TILE);
         self.verdicts[cell(x, y)] = verdict;
     }
 
     /// The verdict on a pixel.
-    pub(crate) fn get(&self, x: usize, y: usize) -> PixelVerdict {
+    pub(crate) fn get(&self, x: usize, y: usize) -> CodedVerdict {
         self.verdicts[cell(x, y)]
     }
 }
 
 /// The witnesses of the neighbors of a pixel, those of most first, and how many neighbors name the first.
-fn named_around(verdicts: &[PixelVerdict], at: usize) -> ([(u16, u8); 4], usize) {
+fn named_around(verdicts: &[CodedVerdict], at: usize) -> ([(u16, u8); 4], usize) {
     let (mut named, mut count) = ([(0, 0); 4], 0);
     for neighbor in [at - 1, at - STRIDE, at - STRIDE + 1, at - STRIDE - 1] {
-        let PixelVerdict { rule, witness } = verdicts[neighbor];
+        let (rule, witness) = verdicts[neighbor];
         if !has_witness(rule) {
             continue;
         }
@@ -97,26 +102,26 @@ pub(crate) fn traverse_verdicts(
             }
             let at = cell(x, y);
             let verdicts = &mut block.verdicts;
-            let group = |neighbor: usize| usize::from(GROUPS[usize::from(verdicts[neighbor].rule)]);
+            let group = |neighbor: usize| usize::from(GROUPS[usize::from(verdicts[neighbor].0)]);
             let [left, above, after, before] =
                 [at - 1, at - STRIDE, at - STRIDE + 1, at - STRIDE - 1].map(group);
             let context = (left * 6 + above) * 4 + 2 * usize::from(after > 2) + usize::from(before > 2);
-            let rule = coder.code(RULE, context, u32::from(verdicts[at].rule));
+            let rule = coder.code(RULE, context, u32::from(verdicts[at].0));
             let rule = u8::try_from(rule).ok().filter(|rule| *rule < RULES);
             let rule = rule.ok_or("a verdict by a rule that there is not")?;
-            let mut witness = PixelVerdict::NO_WITNESS;
+            let mut witness = NONE.1;
             if has_witness(rule) {
                 let (named, count) = named_around(verdicts, at);
-                let wanted = verdicts[at].witness;
+                let wanted = verdicts[at].1;
                 witness = code_witness(coder, (&named[..count], rule), &lately, wanted)?;
                 if usize::from(witness) >= cameras {
-                    return Err(format!("a witness is camera {witness}; there are {cameras} cameras"));
+                    return Err(format!("a witness is camera {witness} of {cameras}"));
                 }
                 lately.retain(|other| *other != witness);
                 lately.insert(0, witness);
                 lately.truncate(REMEMBERED);
             }
-            verdicts[at] = PixelVerdict { rule, witness };
+            verdicts[at] = (rule, witness);
         }
     }
     Ok(())

@@ -428,7 +428,8 @@ impl Store {
             camera,
             |at| at == block,
             |span, (left, top), verdicts| {
-                let verdict = verdicts.get(x - left, y - top);
+                let (rule, witness) = verdicts.get(x - left, y - top);
+                let verdict = PixelVerdict { rule, witness };
                 found = found.or((verdict != PixelVerdict::NONE).then_some((span, verdict)));
             },
         )?;
@@ -452,7 +453,8 @@ impl Store {
             |_| true,
             |span, (left, top), verdicts| {
                 for (x, y) in (0..BLOCK).flat_map(|y| (0..BLOCK).map(move |x| (x, y))) {
-                    let verdict = verdicts.get(x, y);
+                    let (rule, witness) = verdicts.get(x, y);
+                    let verdict = PixelVerdict { rule, witness };
                     if verdict != PixelVerdict::NONE {
                         visit((left + x, top + y), span, verdict);
                     }

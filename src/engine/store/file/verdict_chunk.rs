@@ -16,7 +16,7 @@ use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::plural::counted;
-use crate::samples::{PixelVerdict, Span, SpanVerdicts, VerdictBuffer};
+use crate::samples::{Span, SpanVerdicts, VerdictBuffer};
 use crate::store::codec::{
     BLOCK, BlockVerdicts, PlaneModel, VALUE_CONTEXTS, VALUE_TOKENS, VERDICT_CHANNELS, ValueCounter,
     ValueCounts, ValueReader, ValueWriter, traverse_verdicts,
@@ -89,8 +89,11 @@ fn each_block(
         for &index in indices {
             let index = index as usize;
             let pixel = verdicts.pixels[index] as usize;
-            let verdict = PixelVerdict { rule: verdicts.rules[index], witness: verdicts.witnesses[index] };
-            block.set(pixel % width % BLOCK, pixel / width % BLOCK, verdict);
+            block.set(
+                pixel % width % BLOCK,
+                pixel / width % BLOCK,
+                (verdicts.rules[index], verdicts.witnesses[index]),
+            );
         }
         visit(place, &mut block)?;
     }
