@@ -68,6 +68,26 @@ fn exposures_of_what_a_program_rendered_are_measured_and_corrected_where_one_ask
 }
 
 #[test]
+fn a_pose_that_is_wrong_beyond_doubt_is_corrected_of_what_a_program_rendered_too() {
+    for seed in [1, 3, 5, 7, 9, 11] {
+        let mut scene = ExactScene::random(seed, false);
+        scene.is_rendered = Some(true);
+        let mut claimed = scene.cameras.clone();
+        claimed[1] = misplaced(&claimed[1], &mut Draws(7), 1.0, 0.03);
+        let found = aligned(&scene.record(claimed));
+        println!(
+            "{seed} {} {:?}",
+            scene.cameras.len(),
+            found.alignment.map(|a| a
+                .cameras
+                .iter()
+                .map(|camera| camera.pose.map(|p| (p.degrees, p.degrees_se)))
+                .collect::<Vec<_>>())
+        );
+    }
+}
+
+#[test]
 fn depth_of_a_sensor_is_not_taken_for_what_a_program_rendered() {
     let mut scene = ExactScene::random(3, true);
     scene.stops[1] = 0.4;

@@ -8,7 +8,7 @@ use crate::app::model::picture::{CarriedLook, CarryKey, LiveKey, LivePicture, So
 use crate::app::model::purpose::{Destination, Purpose};
 use crate::app::model::scene::{Accuracy, CameraMemory, Inspected, OpenScene};
 use crate::app::model::work_kind::WorkKind;
-use crate::app::rooms::change::work::ChangeRequest;
+use crate::app::rooms::change::state::ChangeRequest;
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::compare::state::{CompareKey, PictureDifference, PictureFolder};
 use crate::app::rooms::edits::state::{EditKey, EditedScene};

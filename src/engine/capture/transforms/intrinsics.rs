@@ -70,7 +70,8 @@ pub(super) fn intrinsics(
     {
         let angle = 2.0 * (0.5 * w / fx).atan().to_degrees();
         let what = format!(
-            "fl_x is {fx}, an angle of view of {angle:.0}° over {w} pixels; it is in pixels: multiply a share of the width by {w}, and millimeters by {w} and divide by the sensor's width in millimeters"
+            "fl_x is {fx}, an angle of view of {angle:.0}°, but it is in pixels: multiply a share of the width by {w}, or millimeters by {w} over the \
+             width of the sensor in millimeters"
         );
         return Err(Error::invalid(place, what));
     }

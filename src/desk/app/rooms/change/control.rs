@@ -7,8 +7,7 @@ use egui::{ColorImage, TextureOptions};
 
 use crate::app::control::OverlookApp;
 use crate::app::model::{Inspected, Same, method_of};
-use crate::app::rooms::change::state::{Figures, Glow};
-use crate::app::rooms::change::work::ChangeRequest;
+use crate::app::rooms::change::state::{ChangeRequest, Figures, Glow};
 use overlook_engine::settings::Settings;
 
 /// Time between two pictures of what glows.

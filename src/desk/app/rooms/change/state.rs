@@ -4,10 +4,8 @@ use std::time::{Duration, Instant};
 
 use egui::TextureHandle;
 
+use crate::app::model::picture::LivePicture;
 use crate::app::model::same::Same;
-use crate::app::model::scene::method_of;
-use crate::app::model::state::State;
-use crate::text::{bytes, count, significant};
 use overlook_engine::capture::Camera;
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::settings::Settings;
@@ -74,25 +72,6 @@ pub(crate) struct Figures {
     pub picture_ms: Option<f64>,
 }
 
-impl Figures {
-    /// What is known under the settings on the sliders.
-    pub(crate) fn of(state: &State) -> Self {
-        let doc = &state.doc;
-        let method = method_of(&state.settings);
-        let inspected = doc.inspected.as_ref().filter(|inspected| method_of(&inspected.settings) == method);
-        let whole = doc.whole.as_ref().filter(|_| !state.is_stale());
-        let rests = doc.live_shown.as_ref().filter(|shown| shown.key.quality.is_none());
-        Self {
-            settings: state.settings.clone(),
-            frame: inspected.map(|inspected| (inspected.inspection.frame, inspected.kept.iter().sum())),
-            samples: whole.map(|whole| whole.report.samples_kept),
-            bytes: whole.map(|whole| whole.report.bytes_memory),
-            psnr_db: doc.accuracy.filter(|_| whole.is_some()).map(|accuracy| accuracy.psnr_db),
-            picture_ms: rests.map(|shown| shown.picture.stats.milliseconds),
-        }
-    }
-}
-
 /// A figure before a change of settings and now, with its name in the headline where it stands there.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Difference {
@@ -104,77 +83,20 @@ pub(crate) struct Difference {
     pub change: Option<String>,
 }
 
-/// The difference of two counts, with its sign and as a share of the first.
-fn counted(before: u64, now: u64, text: fn(u64) -> String) -> String {
-    let sign = if now < before { "−" } else { "+" };
-    let percent = 100.0 * (now as f64 - before as f64) / (before.max(1) as f64);
-    format!("{sign}{} ({sign}{} %)", text(now.abs_diff(before)), significant(percent.abs()))
+/// Two prunings of a frame, to be compared as the live view sees them.
+#[derive(Clone)]
+pub(crate) struct ChangeRequest {
+    pub scene: u64,
+    /// The earlier one first.
+    pub pair: [Same<FrameInspection>; 2],
+    pub camera: Camera,
+    /// The live picture and where it is seen from, by which samples behind surfaces are told.
+    pub seen: Option<(Same<LivePicture>, Camera)>,
 }
 
-/// The difference of two numbers, with its sign.
-fn signed(before: f64, now: f64, digits: usize) -> String {
-    let sign = if now < before { "−" } else { "+" };
-    format!("{sign}{:.digits$}", (now - before).abs())
-}
-
-impl State {
-    /// Figures before the last change of settings and now; empty without a change. What was not known before is left out.
-    pub(crate) fn differences(&self) -> Vec<Difference> {
-        let Some(before) = &self.doc.change.before else { return Vec::new() };
-        let now = Figures::of(self);
-        let of_count = |name, of: [Option<u64>; 2], text: fn(u64) -> String| {
-            let [before, now] = of;
-            before.map(|before| Difference {
-                name,
-                before: text(before),
-                now: now.map(text),
-                change: now.map(|now| counted(before, now, text)),
-            })
-        };
-        let of_number = |name, of: [Option<f64>; 2], unit: &str, digits: usize| {
-            let [before, now] = of;
-            before.map(|before| Difference {
-                name,
-                before: format!("{before:.digits$} {unit}"),
-                now: now.map(|now| format!("{now:.digits$} {unit}")),
-                change: now.map(|now| format!("{} {unit}", signed(before, now, digits))),
-            })
-        };
-        let here = self.timeline.frame;
-        let of_frame = |figures: &Figures| figures.frame.filter(|(frame, _)| *frame == here).map(|it| it.1);
-        [
-            of_count("This frame", [of_frame(before), of_frame(&now)], count),
-            of_count("Samples kept", [before.samples, now.samples], count),
-            of_count("Memory", [before.bytes, now.bytes], bytes),
-            of_number("Accuracy", [before.psnr_db, now.psnr_db], "dB", 2),
-            of_number("Live picture", [before.picture_ms, now.picture_ms], "ms", 0),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_difference_has_its_sign_and_its_share() {
-        assert_eq!(counted(1_430_000, 1_490_000, count), "+60.0 k (+4.20 %)");
-        assert_eq!(counted(200, 150, count), "−50 (−25.0 %)");
-        assert_eq!(counted(0, 5, count), "+5 (+500 %)");
-        assert_eq!(signed(36.02, 35.84, 2), "−0.18");
-    }
-
-    #[test]
-    fn without_a_change_nothing_is_told_and_what_was_not_known_before_is_left_out() {
-        let mut state = State::default();
-        assert!(state.differences().is_empty());
-        let known = Figures { samples: Some(10), ..Figures::of(&state) };
-        state.doc.change.before = Some(known);
-        let told = state.differences();
-        assert_eq!(told.len(), 1, "{told:?}");
-        assert_eq!((told[0].name, told[0].now.as_ref()), ("Samples kept", None));
+impl PartialEq for ChangeRequest {
+    /// Which picture hides what lies behind does not count: it is painted anew at every change.
+    fn eq(&self, other: &Self) -> bool {
+        self.pair == other.pair && self.camera == other.camera
     }
 }

@@ -25,7 +25,7 @@ pub(crate) fn glows(painter: &Painter, canvas: Rect, state: &State) {
     if let Some(Difference { before, now: Some(now), change: Some(change), .. }) =
         state.differences().first().filter(|first| is_told && first.name == "This frame")
     {
-        let text = format!("{before} » {now} samples in this frame, {change}");
+        let text = format!("Kept of this frame: {before} » {now}, {change}");
         let at = canvas.center_top() + vec2(0.0, space::MEDIUM);
         plate(painter, at, Align2::CENTER_TOP, &text, Tokens::of(state.dark));
     }

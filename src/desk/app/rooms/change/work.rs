@@ -7,14 +7,12 @@ use egui::{Color32, ColorImage};
 use glam::{DVec2, DVec3};
 
 use crate::app::camera_cues;
-use crate::app::model::picture::LivePicture;
 use crate::app::model::window::DockView;
 use crate::app::model::{Message, Same, State};
+use crate::app::rooms::change::state::ChangeRequest;
 use crate::app::work::worker::Wanted;
-use overlook_engine::capture::Camera;
 use overlook_engine::capture::sighting::tolerances::MARKED_SURFACE;
 use overlook_engine::capture::sighting::{Sighting, look};
-use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::samples::{SampleSet, TILE};
 
 /// Most columns of the picture: it is drawn over the live view for less than a second.
@@ -22,24 +20,6 @@ const COLUMNS: u32 = 640;
 
 /// Widest sample, pixels.
 const WIDEST: f64 = 12.0;
-
-/// Two prunings of a frame, to be compared as the live view sees them.
-#[derive(Clone)]
-pub(crate) struct ChangeRequest {
-    pub scene: u64,
-    /// The earlier one first.
-    pub pair: [Same<FrameInspection>; 2],
-    pub camera: Camera,
-    /// The live picture and where it is seen from, by which samples behind surfaces are told.
-    pub seen: Option<(Same<LivePicture>, Camera)>,
-}
-
-impl PartialEq for ChangeRequest {
-    /// Which picture hides what lies behind does not count: it is painted anew at every change.
-    fn eq(&self, other: &Self) -> bool {
-        self.pair == other.pair && self.camera == other.camera
-    }
-}
 
 impl Wanted for ChangeRequest {
     const IS_SHOWN: bool = false;
