@@ -4,7 +4,7 @@ use super::*;
 use crate::app::model::command::{PixelCommand, ViewCommand};
 use crate::app::model::window::Workspace;
 use crate::app::model::{Content, SceneSource};
-use crate::app::rooms::pixel::state::Spot;
+use crate::app::rooms::pixel::state::{InspectedPixel, Spot};
 use crate::app::rooms::timeline::TimeCommand;
 
 #[test]
@@ -63,4 +63,29 @@ fn a_click_on_the_room_keeps_the_pixel_and_the_point_that_were_pointed_at() {
         assert!(moved < 0.02, "the point moved by {moved} m");
         app.apply(Command::Pixel(PixelCommand::Pin(false)));
     }
+}
+
+#[test]
+fn a_click_on_the_room_says_why_its_sample_was_kept_and_a_dropped_pixel_names_the_camera_that_replaces_it() {
+    let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
+    app.state.live.size = [200, 150];
+    app.apply(Command::Time(TimeCommand::Step(1)));
+    wait(&mut app, "the room", |app| app.state.doc.scene.is_some());
+    let (mut kept, mut replaced) = (0, 0);
+    for (x, y) in (0..40).map(|nth| (37 * nth % 400, 53 * nth % 300)) {
+        app.state.doc.probe = InspectedPixel::default();
+        app.apply(Command::Pixel(PixelCommand::Probe(Some(Spot::Source { camera: 4, x, y }))));
+        wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
+        let probed = app.state.doc.probe.shown.clone().unwrap();
+        let explanation = probed.explanation.as_ref().expect("the room says why");
+        assert!(
+            explanation.verdict.is_kept() || probed.point_in_world.is_none(),
+            "a dropped sample has no depth here"
+        );
+        kept += usize::from(explanation.verdict.is_kept());
+        replaced += usize::from(
+            !explanation.verdict.is_kept() && explanation.winner.is_some_and(|winner| winner != 4),
+        );
+    }
+    assert!(kept > 0 && replaced > 0, "{kept} kept, {replaced} replaced");
 }
