@@ -165,7 +165,7 @@ fn a_part_whose_frames_are_moved_in_time_is_refused_where_a_picture_changed_that
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let pictures = record_late(folder);
-    let clock = ["--set", "align.clock=auto", "--set", "align.poses=off", "--set", "align.exposure=off"];
+    let clock = ["--set", "align.clock=on", "--set", "align.poses=off", "--set", "align.exposure=off"];
     is_same_in_parts(folder, &clock, 5);
     let whole = [&["preprocess", "scene", "--out", "whole.ovl", "--json"][..], &clock].concat();
     let report: serde_json::Value = serde_json::from_str(&succeed(folder, &whole)).unwrap();

@@ -12,6 +12,8 @@ use super::surface_samples::has_exact_depth;
 
 /// The share of the pairs of cameras that have to agree, so that one wrong pose does not hide that the others are exact.
 const AGREEING_PAIRS: f64 = 0.25;
+/// A pose that pays and is off by this much is wrong: drawing that goes with the camera moves what exact views show by less, footprints.
+const FAR_OFF_FOOTPRINTS: f64 = 2.0;
 /// How far apart the surfaces of two exact views are at most, by the median, footprints.
 const EXACT_FOOTPRINTS: f64 = 0.3;
 
@@ -38,9 +40,11 @@ pub(super) fn left(what: &str, setting: &str) -> String {
 /// Takes back the poses of what a program rendered that are not wrong beyond doubt, and gives the numbers of their cameras.
 pub(super) fn doubtful_poses(poses: &mut [PoseCorrection]) -> Vec<usize> {
     let mut doubtful = Vec::new();
-    for (camera, pose) in
-        poses.iter_mut().enumerate().filter(|(_, pose)| pose.kept && !pose.distances.is_beyond_doubt())
-    {
+    let is_doubtful = |pose: &PoseCorrection| {
+        let is_far_off = pose.footprints > FAR_OFF_FOOTPRINTS && pose.distances.pays();
+        pose.kept && !is_far_off && !pose.distances.is_beyond_doubt()
+    };
+    for (camera, pose) in poses.iter_mut().enumerate().filter(|(_, pose)| is_doubtful(pose)) {
         pose.kept = false;
         doubtful.push(camera);
     }

@@ -63,7 +63,8 @@ const NUMBERS: [(&str, &[f64]); 11] = [
 
 /// Not varied: other methods are baselines, no picture depends on normals in a store, kernels are tried with each variation, and
 /// times on two backends are no alternatives of one machine.
-const LEFT_OUT: [&str; 4] = ["pruning.method", "store.normals", "render.kernel", "render.backend"];
+const LEFT_OUT: [&str; 5] =
+    ["pruning.method", "store.normals", "store.verdicts", "render.kernel", "render.backend"];
 
 /// The sections of settings that samples depend on.
 const OF_SAMPLES: [&str; 3] = ["spans", "pruning", "store"];

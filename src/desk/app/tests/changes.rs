@@ -5,6 +5,7 @@ use super::*;
 fn set_depth_tolerance(app: &mut OverlookApp, footprints: f64) {
     let path = "pruning.depth_tolerance";
     app.apply(Command::Settings(SettingsCommand::Set { path, value: footprints.into() }));
+    assert_eq!(f64::from(app.state.settings.pruning.depth_tolerance), f64::from(footprints as f32));
 }
 
 /// Whether samples of the last change are seen coming or going.
@@ -15,7 +16,7 @@ fn glows(app: &OverlookApp, came: bool) -> bool {
 #[test]
 fn samples_are_seen_coming_and_going_as_a_threshold_turns_and_then_no_more() {
     let mut app = ready(3, 2);
-    set_depth_tolerance(&mut app, 0.02);
+    set_depth_tolerance(&mut app, 0.05);
     wait(&mut app, "samples that come", |app| glows(app, true));
     set_depth_tolerance(&mut app, 4.0);
     wait(&mut app, "samples that go", |app| glows(app, false));
@@ -34,7 +35,7 @@ fn figures_before_a_change_stay_beside_those_after_it_until_the_next() {
     let first = kept(&app);
     assert!(app.state.differences().is_empty());
     set_depth_tolerance(&mut app, 0.5);
-    set_depth_tolerance(&mut app, 0.02);
+    set_depth_tolerance(&mut app, 0.05);
     settle(&mut app);
     let second = kept(&app);
     assert!(second > first, "{second} of {first}");
@@ -48,7 +49,7 @@ fn figures_before_a_change_stay_beside_those_after_it_until_the_next() {
     app.apply(Command::Undo);
     settle(&mut app);
     assert_eq!(before(&app), Some(second), "taking it back is the next change");
-    set_depth_tolerance(&mut app, 0.02);
+    set_depth_tolerance(&mut app, 0.05);
     set_depth_tolerance(&mut app, 1.0);
     assert!(app.state.doc.change.before.is_none(), "turned back before anything was pruned");
 }

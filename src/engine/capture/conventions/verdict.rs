@@ -375,8 +375,11 @@ impl Alternative {
         if self.reading.measure != claimed.measure {
             let mut part = format!("if depth is {}", self.reading.measure.words());
             if let Some(planes) = self.reading.planes {
-                let far = planes.far.map_or_else(|| "infinity".to_owned(), number);
-                let _ = write!(part, " (at {} and {far})", number(planes.near));
+                // A plane at the camera is found to a rest.
+                let least = 1e-4 * planes.near.max(planes.far.unwrap_or_default());
+                let shown = |plane: f64| number(if plane.abs() < least { 0.0 } else { plane });
+                let far = planes.far.map_or_else(|| "infinity".to_owned(), shown);
+                let _ = write!(part, " (at {} and {far})", shown(planes.near));
             }
             if self.reading.measure.depth_kind().is_none() {
                 part += ", which no key of the manifest says: convert it";

@@ -41,7 +41,7 @@ pub(crate) fn change_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::View(ViewCommand::look(&state.live, |live| live.shows_changes = shows)));
         }
         let told = state.differences();
-        let button = ui.add_enabled(!told.is_empty(), Button::new("Compare with before"));
+        let button = ui.add_enabled(!told.is_empty(), Button::new("Before and now"));
         let button = button.on_disabled_hover_text("No setting was changed that decides which samples are kept.");
         if button.on_hover_ui(|ui| differences_ui(ui, &told)).clicked() {
             compare_with(CompareSide::Before, state, commands);
