@@ -253,6 +253,7 @@ fn the_window_shows_a_capture_in_both_themes_and_with_overlays() {
     settle(&mut window);
     shoot(&mut window, "compare_truth", &["PSNR"], &[("Comparison", Look::Difference)]);
     open_view(&mut window, "Live view");
+    open_view(&mut window, "Time");
     choose(&mut window, "Source shows", "Motion");
     window.set_size(egui::vec2(1920.0, 1080.0));
     choose(&mut window, "Live view shows", "Picture");
