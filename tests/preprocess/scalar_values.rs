@@ -367,6 +367,7 @@ fn arrays_of_numpy_are_read_to_the_last_bit_and_what_is_wrong_with_them_is_said_
     npy(&folder.path().join("p.npy"), "<f4", (8, 6), &bytes);
     npy(&folder.path().join("small.npy"), "<f4", (6, 4), &bytes);
     npy(&folder.path().join("double.npy"), "<f8", (8, 6), &[0; 8 * 48]);
+    npy(&folder.path().join("large.npy"), "<i4", (8, 6), &20_000_000_i32.to_le_bytes().repeat(48));
     npy(&folder.path().join("empty.npy"), "<f4", (8, 6), &f32::NAN.to_le_bytes().repeat(48));
     let good = opened(folder.path(), r#"[{"name": "p", "unit": "Pa"}]"#, r#"{"p": "p.npy"}"#).unwrap();
     assert!(good.frame(0, 0).unwrap().values == Values::from_planes(&[values]));
@@ -378,9 +379,10 @@ fn arrays_of_numpy_are_read_to_the_last_bit_and_what_is_wrong_with_them_is_said_
         is_exact: true,
     };
     assert_eq!(good.value_channels(), [expected]);
+    assert!(opened(folder.path(), r#"[{"name": "p"}]"#, r#"{"p": "double.npy"}"#).is_ok(), "it is rounded");
     for (values, file, named) in [
         (r#"[{"name": "p"}]"#, r#"{"p": "small.npy"}"#, "6×4"),
-        (r#"[{"name": "p"}]"#, r#"{"p": "double.npy"}"#, "float32"),
+        (r#"[{"name": "p"}]"#, r#"{"p": "large.npy"}"#, "float32"),
         (r#"[{"name": "p"}]"#, r#"{"p": "none.npy"}"#, "none.npy is missing"),
         (r#"[{"name": "p"}]"#, r#"{"p": "empty.npy"}"#, "give its \"range\""),
         (r#"[{"name": "p"}]"#, r#"{"q": "p.npy"}"#, "'q'"),

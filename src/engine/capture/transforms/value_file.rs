@@ -128,7 +128,7 @@ fn spread(recording: &CameraFiles) -> (Vec<ReadPicture<'_>>, Vec<ReadPicture<'_>
     let count = pictures.iter().map(Vec::len).sum::<usize>().min(MEASURED).max(cameras);
     let mut taken = vec![BTreeSet::new(); cameras];
     for nth in 0..count {
-        let last = pictures[nth % cameras].len() - 1;
+        let last = pictures[nth % cameras].len().saturating_sub(1);
         taken[nth % cameras].insert(nth * last / (count - 1).max(1));
     }
     let (mut spread, mut rest) = (Vec::new(), Vec::new());
