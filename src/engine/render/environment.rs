@@ -128,14 +128,18 @@ pub(crate) fn sky_map(set: &SampleSet, frame: usize, directions: &[Vec3]) -> Res
 /// # Errors
 /// Those of reading the samples of the frame.
 pub fn background_holes(picture: &Picture, set: &SampleSet, vantage: &Vantage) -> Result<u64> {
+    let pixels = picture.image.as_slice().iter().zip(picture.inverse_depth.as_slice()).enumerate();
+    let mut shown = pixels.filter(|(_, (image, depth))| **image == NO_IMAGE && **depth == 0.0).peekable();
+    // Most pictures show none, and every live picture asks.
+    if shown.peek().is_none() {
+        return Ok(0);
+    }
     let samples = FrameSamples::at(set, vantage.frame)?;
     let sums = SkySums::new(&samples, 0..samples.tile_count(), None);
     if sums.cells.is_empty() {
         return Ok(0);
     }
     let (directions, width) = (PixelDirections::new(&vantage.camera), picture.image.width().max(1));
-    let pixels = picture.image.as_slice().iter().zip(picture.inverse_depth.as_slice()).enumerate();
-    let shown = pixels.filter(|(_, (image, depth))| **image == NO_IMAGE && **depth == 0.0);
     let seen = shown.filter(|(at, _)| sums.cells[cell_of(directions.at((at % width, at / width)))][3] > 0.0);
     Ok(seen.count() as u64)
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use egui::{ColorImage, TextureOptions};
 
 use crate::app::control::OverlookApp;
+use crate::app::model::window::DockView;
 use crate::app::model::{Inspected, Same, method_of};
 use crate::app::rooms::change::state::{ChangeRequest, Figures, Glow};
 use overlook_engine::settings::Settings;
@@ -29,6 +30,8 @@ impl OverlookApp {
 
     /// Takes in a pruned frame; what it lacks of the one before, or has more, is to be seen where only the settings differ.
     pub(crate) fn inspected(&mut self, inspected: Inspected) {
+        // Out of sight it would hold an old pruning in memory.
+        let is_seen = self.state.shows(DockView::Live);
         let doc = &mut self.state.doc;
         let before = doc.inspected.replace(inspected);
         doc.failed_frame = None;
@@ -37,7 +40,7 @@ impl OverlookApp {
             && before.with_scan == now.with_scan
             && method_of(&before.settings) != method_of(&now.settings);
         let first = doc.change.unpainted.take().map(|[first, _]| first);
-        if is_change && self.state.live.shows_changes {
+        if is_change && self.state.live.shows_changes && is_seen {
             let first = first.unwrap_or(Same(before.inspection));
             self.state.doc.change.unpainted = Some([first, Same(now.inspection.clone())]);
         }
