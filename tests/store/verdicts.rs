@@ -4,13 +4,14 @@ use overlook_engine::capture::Capture;
 use overlook_engine::demo::{Demo, DemoSpec};
 use overlook_engine::edits::EditList;
 use overlook_engine::job::Job;
+use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::preprocess::pruning::Rule;
 use overlook_engine::preprocess::{PreparedScan, inspect_frame, preprocess_edited, scan};
-use overlook_engine::settings::{CaptureSettings, Settings};
+use overlook_engine::settings::{CaptureSettings, Settings, StoreSettings};
 use overlook_engine::store;
 use overlook_engine::store::file::{Extras, Store, write_spooled};
 use overlook_engine::store::playback::Playback;
-use overlook_engine::stored_verdicts::verdict_in_store;
+use overlook_engine::stored_verdicts::{inspect_stored_frame, verdict_in_store};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -87,6 +88,63 @@ fn a_store_gives_the_verdict_of_every_pixel_as_its_capture_has_it_whatever_the_t
         }
         assert!(rules.len() > 3, "{scene}: only {rules:?}");
     }
+}
+
+#[test]
+fn a_frame_of_a_store_is_inspected_as_that_of_its_capture_and_dropped_pixels_look_as_they_did() {
+    let folder = tempfile::tempdir().unwrap();
+    let (capture, settings, job) = (capture("nine-cameras"), all_verdicts(), Job::new());
+    let path = folder.path().join("scene.ovl");
+    written(&capture, &settings, &path, 2);
+    let scanned = scan(&capture, &settings, &job).unwrap();
+    let playback = Playback::new(Store::open(&path).unwrap(), 1 << 24);
+    let expected = inspect_frame(&capture, Some(&scanned), &settings, 3, &job).unwrap();
+    let found = inspect_stored_frame(&playback, 3, &job).unwrap().expect("the store says why");
+    assert!(found.is_of_store() && !expected.is_of_store());
+    assert_eq!(found.samples.sample_count(), expected.samples.sample_count());
+    for (camera, (found_in, expected_in)) in found.cameras.iter().zip(&expected.cameras).enumerate() {
+        assert_eq!(found_in.class, expected_in.class);
+        let (mut error, mut dropped) = (0.0, 0.0);
+        for (x, y) in (0..100).flat_map(|y| (0..150).map(move |x| (x, y))) {
+            let (verdict, true_verdict) = (found_in.verdict[(x, y)], expected_in.verdict[(x, y)]);
+            assert_eq!(
+                (verdict.rule, verdict.witness_camera),
+                (true_verdict.rule, true_verdict.witness_camera)
+            );
+            let colors = [found_in, expected_in].map(|camera| camera.frame.color[(x, y)]);
+            let inverse_depth = found_in.frame.inverse_depth[(x, y)];
+            if verdict.rule == Rule::NoSample {
+                assert!(inverse_depth < 0.0);
+            } else {
+                let span = |of: &FrameInspection, level: u8| of.path[usize::from(level)];
+                let levels = [found_in, expected_in].map(|camera| camera.level[(x, y)]);
+                assert_eq!(span(&found, levels[0]), span(&expected, levels[1]));
+                dropped += f32::from(!verdict.is_kept());
+            }
+            if verdict.is_kept() {
+                let mut images = found.samples.images.iter().filter(|image| image.camera as usize == camera);
+                let sample = images.find_map(|image| {
+                    image.sample_at(x, y).map(|(nth, inverse_depth)| (image.color[nth], inverse_depth))
+                });
+                assert_eq!(Some((colors[0], inverse_depth)), sample);
+            } else if verdict.rule != Rule::NoSample {
+                let [own, recorded] = colors.map(|color| color.map(f32::from));
+                error += own.iter().zip(recorded).map(|(a, b)| (a - b).powi(2)).sum::<f32>() / 3.0;
+            }
+        }
+        assert!(
+            dropped > 1000.0 && error / dropped < 0.002,
+            "camera {camera}: {} of {dropped}",
+            error / dropped
+        );
+    }
+    assert!(found.log2_sampling_ratio(0, None).as_slice().iter().all(|ratio| ratio.is_nan()));
+    assert!(found.agreement(0).as_slice().iter().all(Option::is_none));
+    let bare = folder.path().join("bare.ovl");
+    let without = Settings { store: StoreSettings { verdicts: 0.0, ..settings.store.clone() }, ..settings };
+    written(&capture, &without, &bare, 2);
+    let playback = Playback::new(Store::open(&bare).unwrap(), 1 << 24);
+    assert!(inspect_stored_frame(&playback, 3, &job).unwrap().is_none());
 }
 
 #[test]

@@ -115,8 +115,12 @@ impl State {
 
     /// What the source view can show of what is open.
     pub(crate) fn overlays(&self) -> impl Iterator<Item = (Overlay, &'static str, &'static str)> {
-        let has_time = self.has_time();
-        Overlay::ALL.into_iter().filter(move |(overlay, ..)| has_time || *overlay != Overlay::Split)
+        let (has_time, has_capture) = (self.has_time(), self.has_capture());
+        Overlay::ALL.into_iter().filter(move |(overlay, ..)| match overlay {
+            Overlay::Split => has_time,
+            Overlay::Color | Overlay::WhoWon | Overlay::Tiles | Overlay::Depth => true,
+            _ => has_capture,
+        })
     }
 
     /// What the live view can show of what is open.
@@ -137,6 +141,13 @@ impl State {
     /// Whether a capture (not a store) is open.
     pub(crate) fn has_capture(&self) -> bool {
         self.doc.scene.as_ref().is_some_and(|scene| scene.capture().is_some())
+    }
+
+    /// Whether there are pictures of cameras: those of a capture, or what a store that says why shows from where they stood.
+    pub(crate) fn has_source(&self) -> bool {
+        let says_why =
+            |scene: &Arc<OpenScene>| scene.playback().is_some_and(|playback| playback.store().has_verdicts());
+        self.has_capture() || self.doc.scene.as_ref().is_some_and(says_why)
     }
 
     /// Whether the whole-capture numbers were made with other settings than those on the sliders.

@@ -1,10 +1,12 @@
 //! What a window shows that nobody gave anything to open.
 
 use super::*;
-use crate::app::model::command::{PixelCommand, ViewCommand};
+use crate::app::model::command::{PixelCommand, SourceCommand, ViewCommand, WindowCommand};
+use crate::app::model::picture::{Legend, Overlay};
 use crate::app::model::window::Workspace;
 use crate::app::model::{Content, SceneSource};
 use crate::app::rooms::pixel::state::{InspectedPixel, Spot};
+use crate::app::rooms::source::SourceLook;
 use crate::app::rooms::timeline::TimeCommand;
 
 #[test]
@@ -78,14 +80,34 @@ fn a_click_on_the_room_says_why_its_sample_was_kept_and_a_dropped_pixel_names_th
         wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
         let probed = app.state.doc.probe.shown.clone().unwrap();
         let explanation = probed.explanation.as_ref().expect("the room says why");
-        assert!(
-            explanation.verdict.is_kept() || probed.point_in_world.is_none(),
-            "a dropped sample has no depth here"
-        );
         kept += usize::from(explanation.verdict.is_kept());
         replaced += usize::from(
             !explanation.verdict.is_kept() && explanation.winner.is_some_and(|winner| winner != 4),
         );
     }
     assert!(kept > 0 && replaced > 0, "{kept} kept, {replaced} replaced");
+}
+
+#[test]
+fn the_room_shows_every_camera_s_picture_with_what_became_of_its_pixels_once_they_are_looked_at() {
+    let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
+    app.state.live.size = [200, 150];
+    app.apply(Command::Time(TimeCommand::Step(1)));
+    wait(&mut app, "the room", |app| app.state.doc.scene.is_some() && app.is_idle());
+    assert!(app.state.doc.inspected.is_none(), "nobody looks at pictures of cameras");
+    app.apply(Command::Window(WindowCommand::Workspace(Workspace::Inspect)));
+    let look = SourceLook { overlay: Overlay::WhoWon, ..app.state.source };
+    app.apply(Command::Source(SourceCommand::Look(look)));
+    wait(&mut app, "verdicts", |app| app.state.doc.source_shown.is_some() && app.is_idle());
+    let Legend::Winners { kept, lost_to, dropped, invalid } =
+        app.state.doc.source_shown.as_ref().unwrap().picture.legend.clone()
+    else {
+        panic!("the source view does not show by which camera pixels were kept")
+    };
+    let pixels: u64 = lost_to.iter().sum::<u64>() + kept + dropped + invalid;
+    let (width, height) = app.state.doc.scene.as_ref().unwrap().cameras[0].intrinsics.size();
+    assert_eq!(pixels, (width * height) as u64);
+    assert!(kept > 0 && kept * 4 < pixels && lost_to.iter().filter(|lost| **lost > 0).count() > 3);
+    app.apply(Command::Window(WindowCommand::OpenView(DockView::Cameras)));
+    wait(&mut app, "a small picture of every camera", |app| app.state.doc.thumbs.len() == 9);
 }

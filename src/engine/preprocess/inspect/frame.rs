@@ -53,11 +53,27 @@ pub struct FrameInspection {
 }
 
 impl FrameInspection {
+    /// Whether it was read from a store: then nothing is known of what source pictures show beside each other, and what compares them
+    /// finds no camera that shows a pixel's point.
+    #[must_use]
+    pub fn is_of_store(&self) -> bool {
+        self.layers.is_empty()
+    }
+
+    /// Of every pixel of a camera, that nothing is known.
+    pub(super) fn unknown<T: Clone>(&self, camera: usize, value: T) -> Grid<T> {
+        let (width, height) = self.cameras[camera].verdict.size();
+        Grid::filled(width, height, value)
+    }
+
     /// log₂ r of every pixel of `camera` against camera `against`, or against whichever other camera samples the point
     /// best: negative where `camera` samples more densely; NaN where the other does not see the same surface point. Samples
     /// count however long their spans are.
     #[must_use]
     pub fn log2_sampling_ratio(&self, camera: usize, against: Option<usize>) -> Grid<f32> {
+        if self.is_of_store() {
+            return self.unknown(camera, f32::NAN);
+        }
         let pairs = OverlapGraph::complete(&self.samples.cameras);
         let limits = SameSurface::new(&self.settings);
         let layer = &self.layers[camera];
@@ -87,6 +103,9 @@ impl FrameInspection {
 
     /// Lets all other cameras vote on every sample of `camera`.
     fn asked_about(&self, camera: usize) -> AgreementGrid {
+        if self.is_of_store() {
+            return self.unknown(camera, None);
+        }
         let pairs = OverlapGraph::complete(&self.samples.cameras);
         let votes = VoteTest::new(&self.settings, ROOT);
         let (layer, margin) = (&self.layers[camera], self.settings.pruning.agreement_margin);

@@ -37,6 +37,9 @@ impl FrameInspection {
     /// depth. It is worked out at each call.
     #[must_use]
     pub fn view_dependence(&self, camera: usize) -> Grid<f32> {
+        if self.is_of_store() {
+            return self.unknown(camera, f32::NAN);
+        }
         let pairs = OverlapGraph::complete(&self.samples.cameras);
         let limits = SameSurface::geometry_of(&self.settings);
         let layer = &self.layers[camera];

@@ -9,12 +9,14 @@ use egui::{
 };
 use egui_material_icons::icons::ICON_FOLDER_OPEN;
 
-use crate::app::model::command::{FileCommand, Opening, WindowCommand};
+use crate::app::model::command::{FileCommand, Opening, SourceCommand, WindowCommand};
+use crate::app::model::picture::Overlay;
 use crate::app::model::purpose::{AskedPath, Purpose, ShareCommand, Table, TypedPath};
 use crate::app::model::texture::RECENT_SIDES;
 use crate::app::model::window::{DockView, Workspace};
 use crate::app::model::{self, Command, Commands, SceneSource, State};
 use crate::app::rooms::files::state::RecentPicture;
+use crate::app::rooms::source::SourceLook;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, text_field_ui, weak};
 use crate::ways_out::{Action, Way};
@@ -68,7 +70,13 @@ fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 ui.add(Label::new(RichText::new(sentence).strong()).wrap());
                 ui.add(Label::new(RichText::new(ROOM_HELP).color(tokens.text)).wrap());
             });
-            if ui.button("See why").on_hover_text("What was dropped, and by which rule.").clicked() {
+            if ui
+                .button("See why")
+                .on_hover_text("What was dropped, by which rule, and which camera shows it instead.")
+                .clicked()
+            {
+                let look = SourceLook { overlay: Overlay::WhoWon, ..state.source };
+                commands.push(Command::Source(SourceCommand::Look(look)));
                 commands.push(Command::Window(WindowCommand::OpenView(DockView::Report)));
             }
             let own =

@@ -80,25 +80,25 @@ impl OverlookApp {
         }
     }
 
-    /// Hides the area of cameras' pictures where a store is open, which holds none, and shows it again with a capture; the same of
+    /// Hides the area of cameras' pictures where a store is open that shows none, and shows it again with a capture; the same of
     /// other views that there may be nothing for.
     pub(crate) fn show_views_of_scene(&mut self) {
-        let (maximized, has_capture) = (self.state.look.maximized, self.state.has_capture());
-        if self.state.look.shows(Area::Source) != has_capture {
-            self.show_area(Area::Source, has_capture);
+        let (maximized, has_source) = (self.state.look.maximized, self.state.has_source());
+        if self.state.look.shows(Area::Source) != has_source {
+            self.show_area(Area::Source, has_source);
         }
         for (view, ..) in DockView::ALL {
             let is_shown = self.dock.area_of(view).is_none_or(|area| self.state.look.shows(area));
             self.dock.show_view(view, is_shown && self.state.has_use_of(view));
         }
         self.state.look.maximized = maximized
-            .filter(|view| (has_capture || *view != DockView::Source) && self.state.has_use_of(*view));
+            .filter(|view| (has_source || *view != DockView::Source) && self.state.has_use_of(*view));
     }
 
-    /// Shows every area of the workspace that has something to show: a store holds no pictures of cameras.
+    /// Shows every area of the workspace that has something to show: not every store shows pictures of cameras.
     pub(crate) fn show_areas_that_fit(&mut self) {
         let maximized = self.state.look.maximized;
-        let has_source = self.state.doc.scene.is_none() || self.state.has_capture();
+        let has_source = self.state.doc.scene.is_none() || self.state.has_source();
         for (area, ..) in Area::ALL {
             self.show_area(area, area != Area::Source || has_source);
         }

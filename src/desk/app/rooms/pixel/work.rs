@@ -160,12 +160,16 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
     if let (Spot::Source { .. }, Some(playback)) = (key.spot, key.scene.playback()) {
         // What cannot be read of a store is told where its pictures are painted.
         let stored = playback.sample_at(key.frame, camera, (x, y), &Job::new()).ok().flatten();
-        if let Some(sample) = stored {
-            let (center, inverse_depth) =
-                (DVec2::new(x as f64, y as f64) + 0.5, f64::from(sample.inverse_depth));
+        // A dropped pixel has the depth at which the others show it.
+        let shown = key.inspection.as_ref().and_then(|inspection| inspection.cameras.get(camera));
+        let shown = shown.and_then(|camera| camera.frame.inverse_depth.get(x, y).copied());
+        if let Some(inverse_depth) = stored.as_ref().map(|sample| sample.inverse_depth).or(shown) {
+            let center = DVec2::new(x as f64, y as f64) + 0.5;
             let is_surface = inverse_depth > 0.0;
-            point_in_world =
-                is_surface.then(|| key.scene.cameras[camera].unproject(center, 1.0 / inverse_depth));
+            let point = || key.scene.cameras[camera].unproject(center, 1.0 / f64::from(inverse_depth));
+            point_in_world = is_surface.then(point);
+        }
+        if let Some(sample) = stored {
             values = value_lines(&playback.outline().values, &sample.values);
         }
     }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::app::model::window::DockView;
 use crate::app::model::{Inspected, Message, Method, OpenScene, Same, State};
 use crate::app::work::worker::{Outbox, Wanted};
 use overlook_engine::error::Result;
@@ -10,6 +11,7 @@ use overlook_engine::job::Job;
 use overlook_engine::preprocess;
 use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::PixelAccount;
+use overlook_engine::stored_verdicts::inspect_stored_frame;
 
 /// How long a slider must rest before the whole capture is pruned again.
 const DEBOUNCE: Duration = Duration::from_millis(400);
@@ -17,10 +19,9 @@ const DEBOUNCE: Duration = Duration::from_millis(400);
 /// How long a frame must rest before it is prepared for interactive thresholds.
 const REST: Duration = Duration::from_millis(200);
 
-/// A frame to be pruned, with reasons.
+/// A frame to be pruned, with reasons; of a store, whose reasons are read.
 #[derive(Clone, PartialEq)]
 pub(crate) struct InspectRequest {
-    /// The scene, a capture.
     scene: Arc<OpenScene>,
     /// The pass over all frames, where it is done.
     scan: Option<Same<PreparedScan>>,
@@ -31,7 +32,7 @@ pub(crate) struct InspectRequest {
 impl InspectRequest {
     fn of(state: &State) -> Option<Self> {
         Some(Self {
-            scene: state.doc.scene.clone().filter(|_| state.has_capture())?,
+            scene: state.doc.scene.clone()?,
             scan: state.doc.scan.clone().map(Same),
             settings: Method(state.settings.clone()),
             frame: state.timeline.frame,
@@ -41,7 +42,14 @@ impl InspectRequest {
 
 impl Wanted for InspectRequest {
     fn wanted(state: &State) -> Option<Self> {
-        Self::of(state).filter(|_| !state.skips_verdicts())
+        let is_seen = || [DockView::Source, DockView::Cameras].into_iter().any(|view| state.shows(view));
+        let is_wanted = if state.has_capture() {
+            !state.skips_verdicts()
+        } else {
+            // Every camera's picture is painted for it.
+            state.has_source() && is_seen() && !state.timeline.playing
+        };
+        Self::of(state).filter(|_| is_wanted)
     }
 }
 
@@ -54,7 +62,8 @@ impl Wanted for PrepareRequest {
 
     fn wanted(state: &State) -> Option<Self> {
         let inspected = state.doc.inspected.as_ref().filter(|inspected| inspected.with_scan)?;
-        let request = InspectRequest::of(state).filter(|_| Self::changes_in(state).is_none())?;
+        let rests = Self::changes_in(state).is_none();
+        let request = InspectRequest::of(state).filter(|_| rests && state.has_capture())?;
         let is_inspected = inspected.inspection.frame == request.frame
             && Method(inspected.settings.clone()) == request.settings;
         (is_inspected && !state.timeline.playing).then_some(Self(request))
@@ -125,18 +134,26 @@ pub(crate) fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> 
     Ok(Message::Pruned { scene: scene.id, settings, result: Arc::new(result), read_seconds })
 }
 
-/// Prunes one frame, with reasons.
+/// Prunes one frame, with reasons, or reads them from a store.
 pub(crate) fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
     let InspectRequest { scene, scan, settings: Method(settings), frame } = request;
     let known = scan.as_deref().map(|scan| &**scan);
-    let inspection = preprocess::inspect_frame(scene.source()?, known, &settings, frame, job)?;
+    let of_store = match scene.playback() {
+        Some(playback) => inspect_stored_frame(playback, frame, job)?,
+        None => None,
+    };
+    let inspection = match of_store {
+        Some(inspection) => inspection,
+        None => preprocess::inspect_frame(scene.source()?, known, &settings, frame, job)?,
+    };
     let mut kept = vec![0; inspection.cameras.len()];
     for image in &inspection.samples.images {
         kept[image.camera as usize] += image.len() as u64;
     }
     let verdicts = inspection.cameras.iter().flat_map(|camera| camera.verdict.as_slice());
     let account = PixelAccount::of_frame(verdicts.map(|verdict| verdict.rule));
-    let (inspection, with_scan, at) = (Arc::new(inspection), scan.is_some(), Instant::now());
+    let with_scan = scan.is_some() || inspection.is_of_store();
+    let (inspection, at) = (Arc::new(inspection), Instant::now());
     let inspected = Inspected { inspection, settings, with_scan, kept, account, at };
     Ok(Message::Inspected { scene: scene.id, inspected })
 }

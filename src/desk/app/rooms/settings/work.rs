@@ -29,7 +29,7 @@ pub(crate) struct HistogramRequest {
 
 impl Wanted for HistogramRequest {
     fn wanted(state: &State) -> Option<Self> {
-        let is_seen = state.shows(DockView::Thresholds) && !state.timeline.playing;
+        let is_seen = state.shows(DockView::Thresholds) && !state.timeline.playing && state.has_capture();
         let inspected = state.doc.inspected.as_ref().filter(|_| is_seen)?;
         Some(Self {
             scene: state.doc.scene.as_ref()?.id,

@@ -315,7 +315,7 @@ impl OverlookApp {
             }
             FigureOf::Source => {
                 let key = state.doc.source_shown.as_ref()?.key.clone();
-                Box::new(move |_| of_source_picture(scene.source()?, &key, &how))
+                Box::new(move |_| of_source_picture(&scene.cameras, || scene.source(), &key, &how))
             }
             FigureOf::Compared => {
                 let compared = state.compared_figure()?;

@@ -76,7 +76,7 @@ pub(crate) fn seen_cameras(canvas: Rect, state: &State, scene: &OpenScene) -> Ve
 
 /// Whether a camera is the chosen one. The first one is so by itself only where there is a picture of it.
 pub(crate) fn is_chosen(state: &State, camera: usize) -> bool {
-    camera == state.source.camera && (state.has_capture() || state.source.chosen_at.is_some())
+    camera == state.source.camera && (state.has_source() || state.source.chosen_at.is_some())
 }
 
 /// What clicks on a camera do, in a line.
@@ -211,7 +211,7 @@ pub(crate) fn menu(
         let cameras = &state.live.cameras;
         let is_solo = cameras.solo == Some(camera);
         let shows = cameras.shows(camera);
-        if state.has_capture() && ui.button("Show its picture").clicked() {
+        if state.has_source() && ui.button("Show its picture").clicked() {
             commands.push(Command::Window(WindowCommand::OpenView(DockView::Source)));
             commands.push(Command::Source(SourceCommand::Camera(camera)));
             ui.close();

@@ -63,26 +63,27 @@ pub(crate) fn of_camera(
         dark: options.is_dark,
         inspection,
     };
-    of_source_picture(capture, &key, options)
+    of_source_picture(&capture.cameras, || Ok(capture), &key, options)
 }
 
-/// A figure of a source picture.
+/// A figure of a source picture; the capture is asked for where nothing was inspected.
 ///
 /// # Errors
 /// Those of reading the picture.
-pub(crate) fn of_source_picture(
-    capture: &Capture,
+pub(crate) fn of_source_picture<'a>(
+    cameras: &[Camera],
+    capture: impl Fn() -> Result<&'a Capture>,
     key: &SourceKey,
     options: &FigureOptions,
 ) -> Result<Figure> {
     let key = SourceKey { dark: options.is_dark, ..key.clone() };
     let frame = match &key.inspection {
         Some(inspection) => inspection.cameras[key.camera].frame.clone(),
-        None => capture.frame(key.camera, key.frame)?,
+        None => capture()?.frame(key.camera, key.frame)?,
     };
     let shown = source_picture(&key, &frame);
-    let meaning = of_source(key.overlay, &shown.legend, &capture.cameras, key.dark, options.unit);
-    let lens = capture.cameras[key.camera].intrinsics;
+    let meaning = of_source(key.overlay, &shown.legend, cameras, key.dark, options.unit);
+    let lens = cameras[key.camera].intrinsics;
     let scale = scale_bar(&lens, &frame.inverse_depth, options.unit);
     Ok(put_together(opaque(&shown.image), meaning, Some(scale), options))
 }

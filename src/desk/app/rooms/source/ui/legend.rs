@@ -30,6 +30,11 @@ const MORE_WIDTH: f32 = 116.0;
 /// Width of the legend of holes.
 const HOLE_WIDTH: f32 = 220.0;
 
+const RECORDED: &str = "As recorded. Choose an overlay above to see what is redundant.";
+
+/// Of what a store shows where a camera stood.
+const RENDERED: &str = "Kept pixels as recorded, the others as the kept ones show them from here.";
+
 pub(crate) fn source_legend_ui(
     ui: &mut Ui,
     state: &State,
@@ -43,7 +48,8 @@ pub(crate) fn source_legend_ui(
             one_line(ui, "Red, green and blue: the normal's x, y and z in world space.", tokens.text_weak);
         }
         Legend::Plain => {
-            one_line(ui, "As recorded. Choose an overlay above to see what is redundant.", tokens.text_weak);
+            let recorded = if state.has_capture() { RECORDED } else { RENDERED };
+            one_line(ui, recorded, tokens.text_weak);
         }
         Legend::Depth { near, far, without } => {
             let figure = |value: f32| model::significant(f64::from(value));

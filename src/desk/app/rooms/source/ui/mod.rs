@@ -37,9 +37,9 @@ pub(crate) const FOOTER: f32 = 46.0;
 pub(crate) const CAMERA_LIST_WIDTH: f32 = 104.0;
 
 pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    if !state.has_capture() {
-        let text = "A store keeps only what was not redundant. Open the capture it was made from to see the source \
-                    pictures and why each pixel went.";
+    if !state.has_source() {
+        let text = "This store does not say why its pixels went (store.verdicts). Open the capture it was made from to see the source \
+                    pictures, and what became of each pixel.";
         empty_ui(ui, ICON_HIDE_IMAGE, "This store holds no source frames", text, |ui| {
             if ui.button("Open capture folder…").clicked() {
                 commands.push(Command::File(FileCommand::AskPath(Purpose::OpenFolder)));
@@ -69,7 +69,7 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 
 /// Which camera, and for the sampling ratio against which; from right to left.
 pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(scene) = state.doc.scene.as_ref().filter(|_| state.has_capture()) else { return };
+    let Some(scene) = state.doc.scene.as_ref().filter(|_| state.has_source()) else { return };
     let cameras: Vec<_> = camera_choices(&scene.cameras).collect();
     if state.source.overlay == Overlay::SamplingRatio {
         let others = cameras.iter().filter(|(index, ..)| *index != state.source.camera);

@@ -28,24 +28,27 @@ const LARGEST_TEXTURE: usize = 4096;
 /// A picture of the source view.
 #[derive(Clone, PartialEq)]
 pub(crate) struct SourceRequest {
-    /// A capture.
     pub scene: Arc<OpenScene>,
     pub key: SourceKey,
 }
 
 impl Wanted for SourceRequest {
     fn wanted(state: &State) -> Option<Self> {
-        let scene = state.doc.scene.clone().filter(|_| state.has_capture())?;
+        let scene = state.doc.scene.clone()?;
+        let (overlay, has_capture) = (state.source.overlay, state.has_capture());
         // Verdicts of a frame just passed are better than a flash of another kind: in motion they may never catch up.
-        let inspected = state.doc.inspected.as_ref().filter(|_| state.source.overlay.needs_verdicts());
+        let inspected = state.doc.inspected.as_ref().filter(|_| overlay.needs_verdicts() || !has_capture);
         let inspection = inspected.map(|inspected| Same(inspected.inspection.clone()));
+        if inspection.is_none() && !has_capture {
+            return None;
+        }
         let key = SourceKey {
             scene: scene.id,
             camera: state.source.camera,
             frame: inspection.as_ref().map_or(state.timeline.frame, |inspection| inspection.frame),
-            overlay: state.source.overlay,
+            overlay,
             against: state.source.against,
-            isolated: state.doc.isolated.filter(|_| state.source.overlay.names_cameras()),
+            isolated: state.doc.isolated.filter(|_| overlay.names_cameras()),
             display: state.display,
             dark: state.dark,
             inspection,
