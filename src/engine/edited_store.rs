@@ -54,6 +54,9 @@ pub fn edit_store(
     let mut counted = Report::from_json(&report, &place)?;
     let gone: Vec<String> = counted.cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
     edits.check(&store.info().cameras, &gone, &values, &place)?;
+    for warning in edits.without_effect(&store.info().frame_numbers, &place) {
+        job.warn(warning);
+    }
     let edits = &CutByHand::left_to_do(&counted.cut, edits);
     let set = store.read_undamaged(job)?;
     let images = ImageBuffer::of(&set.images);
@@ -62,6 +65,7 @@ pub fn edit_store(
         None => None,
     };
     let left = edits::cut(&images, &set, edits, votes.as_ref(), &place)?;
+    edits::refuse_nothing(set.sample_count() > 0, &left.images, &place)?;
     if left.is_changed {
         let cut = CutByHand {
             edits: edits.to_toml(),

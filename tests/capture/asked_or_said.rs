@@ -42,6 +42,39 @@ fn frames_are_paired_by_a_number_in_the_middle_of_names_and_otherwise_said_to_be
 }
 
 #[test]
+fn colors_far_brighter_than_white_are_said_and_one_key_scales_them_all() {
+    let folder = Folder::new();
+    let planes = [("R", 300.0), ("G", 200.0), ("B", 100.0), ("Z", 2.0)];
+    let planes = planes.map(|(name, value)| (name, flat(value))).to_vec();
+    folder.put("a.exr", &picture(&[("", planes)]));
+    let entries = [entry("a.exr", "a", 0)];
+    let said = warnings(&folder.open(json!({}), &entries).unwrap());
+    assert!(said.contains("300 times as bright as white") && said.contains("\"exposure\": -10"), "{said}");
+    let scaled = folder.open(json!({"exposure": -10}), &entries).unwrap();
+    assert_eq!(warnings(&scaled), "");
+    let color = scaled.frame(0, 0).unwrap().color[(0, 0)].map(half::f16::to_f32);
+    assert!(
+        (color[0] - 300.0 / 1024.0).abs() < 1e-3 && (color[2] - 100.0 / 1024.0).abs() < 1e-3,
+        "{color:?}"
+    );
+    let refused = folder.open(json!({"exposure": 100}), &entries).map(drop).unwrap_err().to_string();
+    assert!(refused.contains("stops from -24 to 24"), "{refused}");
+}
+
+#[test]
+fn focal_lengths_that_are_no_pixels_are_refused_with_what_to_multiply_them_by() {
+    let folder = Folder::new();
+    folder.put("a.exr", &plain(flat(2.0)));
+    for focal in [0.4, 0.5] {
+        let mut one = entry("a.exr", "a", 0);
+        (one["fl_x"], one["fl_y"]) = (focal.into(), focal.into());
+        let refused = folder.open(json!({}), &[one]).map(drop).unwrap_err().to_string();
+        assert!(refused.contains("multiply a share of the width by 6"), "{refused}");
+        assert!(!refused.contains('\n'), "{refused}");
+    }
+}
+
+#[test]
 fn a_pose_that_is_no_number_is_left_out_and_the_others_open() {
     let folder = Folder::new();
     let poses = [json!(null), json!([[null, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]])];

@@ -90,7 +90,7 @@ fn color_in_tiff_is_srgb_in_whole_numbers_and_linear_in_floats() {
 }
 
 #[test]
-fn depth_in_tiff_may_be_half_floats_or_signed_and_where_it_cannot_be_the_line_says_why() {
+fn depth_may_be_half_floats_signed_or_gray_in_three_channels_and_where_it_cannot_be_the_line_says_why() {
     let folder = Folder::new();
     RgbImage::from_pixel(SIZE.0 as u32, SIZE.1 as u32, Rgb([9; 3])).save(folder.path("a.png")).unwrap();
     let open = |name: &str, keys: Value| {
@@ -109,6 +109,9 @@ fn depth_in_tiff_may_be_half_floats_or_signed_and_where_it_cannot_be_the_line_sa
     folder.put("i16.tif", &tiff(1, 16, 2, &signed));
     let frame = open("i16.tif", json!({})).unwrap().frame(0, 0).unwrap();
     assert_eq!((frame.inverse_depth[(0, 0)], frame.inverse_depth[(1, 0)]), (0.4, -1.0));
+    let gray = ImageBuffer::<Rgb<u16>, _>::from_pixel(SIZE.0 as u32, SIZE.1 as u32, Rgb([2500; 3]));
+    gray.save(folder.path("rgb.png")).unwrap();
+    assert_eq!(open("rgb.png", json!({})).unwrap().frame(0, 0).unwrap().inverse_depth[(0, 0)], 0.4);
     let mut pfm = format!("Pf\n{} {}\n-1.0\n", SIZE.0, SIZE.1).into_bytes();
     pfm.extend([2.5_f32; PIXELS].into_iter().flat_map(f32::to_le_bytes));
     folder.put("d.pfm", &pfm);

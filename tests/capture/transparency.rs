@@ -6,6 +6,7 @@ use exr::prelude::FlatSamples;
 use half::f16;
 use image::{ImageBuffer, Luma, Rgba};
 use overlook_engine::capture::Capture;
+use overlook_engine::color::linear_from_srgb;
 use serde_json::{Value, json};
 
 const COLUMNS: u32 = SIZE.0 as u32;
@@ -42,6 +43,22 @@ fn a_background_that_was_cut_out_is_no_sample_though_its_depth_is_there() {
     assert!(frame.inverse_depth[(0, 0)] < 0.0 && frame.inverse_depth[(5, 3)] == 0.5);
     assert_eq!(with_depth(&capture), PIXELS / 2);
     assert_eq!(capture.transparent_share().unwrap(), Some(0.5));
+}
+
+#[test]
+fn colors_that_were_multiplied_with_alpha_are_found_and_divided_and_others_stay() {
+    let folder = Folder::new();
+    write_png(&folder, |_| 255);
+    let is_half = |x: u32| x % 2 == 1;
+    for (half, found) in [(100_u8, 199_u8), (150, 150)] {
+        let gray = |x| if is_half(x) { half } else { 200 };
+        let pixel = |x, _| Rgba([gray(x), gray(x), gray(x), if is_half(x) { 128 } else { 255 }]);
+        ImageBuffer::from_fn(COLUMNS, ROWS, pixel).save(folder.path("a.png")).unwrap();
+        let frame = folder.open(json!({}), &[png_entry()]).unwrap().frame(0, 0).unwrap();
+        let expected = linear_from_srgb(f32::from(found) / 255.0);
+        let color = frame.color[(1, 1)][0].to_f32();
+        assert!((color - expected).abs() < 5e-3, "{half}: {color} in place of {expected}");
+    }
 }
 
 #[test]

@@ -92,6 +92,13 @@ fn walk(folder: &Path) -> Vec<std::path::PathBuf> {
     entries.flat_map(|path| if path.is_dir() { walk(&path) } else { vec![path] }).collect()
 }
 
+/// Keeps what is in a small ball far away.
+const NOTHING_LEFT: &str =
+    "version = 1\n[[edit]]\ndo = \"keep_only\"\nregion = { sphere = { center = [1e6, 0, 0], radius = 1 } }\n";
+
+/// Edits frames that are not there.
+const LATER: &str = "version = 1\n[[edit]]\ndo = \"delete\"\nframes = [100, 200]\nregion = { sphere = { center = [0, 0, 0], radius = 1 } }\n";
+
 #[test]
 fn a_list_that_asks_for_votes_needs_the_capture_and_a_wrong_one_gives_one_line() {
     let folder = scene("1", "64x48");
@@ -101,6 +108,8 @@ fn a_list_that_asks_for_votes_needs_the_capture_and_a_wrong_one_gives_one_line()
         ("nobody.toml", "version = 1\n[[edit]]\ndo = \"leave_out\"\nregion = { cameras = [\"nobody\"] }\n"),
         ("newer.toml", "version = 9\n"),
         ("broken.toml", "version = 1\n[[edit]]\ndo = \"erase\"\n"),
+        ("nothing.toml", NOTHING_LEFT),
+        ("later.toml", LATER),
     ] {
         std::fs::write(folder.join(name), text).unwrap();
     }
@@ -119,7 +128,14 @@ fn a_list_that_asks_for_votes_needs_the_capture_and_a_wrong_one_gives_one_line()
     assert!(edit("newer.toml").contains("version 9"));
     assert!(edit("broken.toml").contains("broken.toml, line 3"));
     assert!(said(&["preprocess", "scene", "--edits", "nobody.toml", "--out", "out.ovl"]).contains("nobody"));
+    for command in [&["edit", "all.ovl"], &["preprocess", "scene"]] {
+        let refused = said(&[command, &["--edits", "nothing.toml", "--out", "out.ovl"][..]].concat());
+        assert!(refused.contains("the edits leave no sample"), "{refused}");
+    }
     assert!(!folder.join("out.ovl").exists());
+    let later = overlook(folder, &["edit", "all.ovl", "--edits", "later.toml", "--out", "later.ovl"]);
+    let warned = String::from_utf8(succeed(later).stderr).unwrap();
+    assert!(warned.contains("does nothing: it is of frames 100 to 200, and there are 0 to 0"), "{warned}");
     let arguments =
         ["edit", "all.ovl", "--edits", "asking.toml", "--capture", "scene", "--out", "out.ovl", "--json"];
     assert!(json(folder, &arguments)["samples_deleted"].as_u64().unwrap() > 0);

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::region::Region;
 use crate::capture::{Camera, ValueChannel};
 use crate::error::{Error, Result};
+use crate::samples::ImageBuffer;
 
 /// What an edit does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -174,6 +175,23 @@ impl EditList {
         self.acting().filter(whole).flat_map(|edit| edit.region.named_cameras()).collect()
     }
 
+    /// A line for each acting edit of frames that are not among some: it does nothing there. `place` is named in each.
+    #[must_use]
+    pub fn without_effect(&self, frame_numbers: &[i64], place: &str) -> Vec<String> {
+        let Some((from, to)) = frame_numbers.first().zip(frame_numbers.last()) else { return Vec::new() };
+        let is_there = |[first, last]: [i64; 2]| frame_numbers.iter().any(|at| (first..=last).contains(at));
+        let acting = self.edits.iter().enumerate().filter(|(_, edit)| edit.is_on);
+        let idle = acting.filter_map(|(index, edit)| {
+            let of_region = edit.region.named_frames().into_iter().map(|at| [at, at]);
+            let [first, last] = edit.frames.into_iter().chain(of_region).find(|range| !is_there(*range))?;
+            let place = edit_place(place, index, edit);
+            Some(format!(
+                "{place} does nothing: it is of frames {first} to {last}, and there are {from} to {to}"
+            ))
+        });
+        idle.collect()
+    }
+
     /// Checks that a capture or store has the cameras and values that acting edits name; the cameras `gone` were left out of it before.
     /// `place` is named in errors.
     ///
@@ -207,6 +225,20 @@ impl EditList {
         }
         Ok(())
     }
+}
+
+/// Refuses edits that leave no sample where they found some.
+///
+/// # Errors
+/// `Invalid` where nothing is left, and something `was_there`.
+pub(crate) fn refuse_nothing(was_there: bool, left: &ImageBuffer, place: &str) -> Result<()> {
+    if was_there && left.facts().all(|facts| facts.samples == 0) {
+        return Err(Error::invalid(
+            place,
+            "the edits leave no sample; switch one of them off, or invert its region",
+        ));
+    }
+    Ok(())
 }
 
 /// An edit of a list, for errors.

@@ -32,6 +32,7 @@ mod seen;
 mod tile;
 
 pub use apply::{CutByHand, EditedImages, cut, edit_samples, edit_tinted, selected};
+pub(crate) use list::refuse_nothing;
 pub use list::{Action, Edit, EditList, Reach};
 pub use region::{Outline, Region, Stroke, Viewpoint};
 pub use removed_pixels::{count_removed_pixels, edited_capture, with_cameras_left, without_removed_pixels};

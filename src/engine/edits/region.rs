@@ -333,6 +333,16 @@ impl Region {
         names
     }
 
+    /// The frames that it names, by their numbers in the capture.
+    pub(super) fn named_frames(&self) -> Vec<i64> {
+        let own = match self {
+            Self::Pixels { frame, .. } | Self::View { frame, .. } => *frame,
+            Self::SameSurface { frame, .. } => Some(*frame),
+            _ => None,
+        };
+        own.into_iter().chain(self.parts().iter().flat_map(Self::named_frames)).collect()
+    }
+
     /// The channels of values that it names.
     pub(super) fn named_values(&self) -> Vec<&str> {
         let own = if let Self::Value { name, .. } = self { vec![name.as_str()] } else { Vec::new() };

@@ -134,6 +134,9 @@ fn preprocess_into(
     let started = Instant::now();
     settings.validate("settings")?;
     let left = edits::with_cameras_left(capture, edits)?;
+    for warning in edits.without_effect(&capture.frame_numbers, "edits") {
+        job.warn(warning);
+    }
     let scan = PreparedScan::edited(&left, settings, edits, job)?;
     let pruned = prune_into(kept, &left, &scan, settings, job)?;
     let (removed, cameras) = (scan.removed_pixels(), &capture.cameras);
@@ -157,10 +160,13 @@ pub(crate) fn cut_by_hand(
     }
     let BufferedResult { outline, images, verdicts, mut report } = pruned;
     let left_out = edits.cameras_left_out();
+    let was_there =
+        removed.iter().any(|removed| *removed > 0) || images.facts().any(|facts| facts.samples > 0);
     let votes =
         if edits.asks_for_votes() { Some(votes_on(&images, &outline.cameras, capture, job)?) } else { None };
     let EditedImages { images, dropped, dropped_pixels, .. } =
         edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits")?;
+    edits::refuse_nothing(was_there, &images, "edits")?;
     for (camera, removed) in report.cameras.iter_mut().zip(removed) {
         camera.invalid = camera.invalid.saturating_sub(*removed);
     }

@@ -137,6 +137,8 @@ fn tum_pairs_stamps_and_leaves_out_what_has_no_partner() {
     assert!(refusal(&folder).contains("groundtruth.txt, line 2: there are 6 fields where 8 are expected"));
     folder.put("groundtruth.txt", b"100 1 2 x 0 0 0 1\n");
     assert!(refusal(&folder).contains("line 1: 'x' is no number"));
+    folder.put("groundtruth.txt", b"100,5 1,0 2,25 -3,5 0,0 0,0 0,0 1,0\n");
+    assert!(refusal(&folder).contains("line 1: numbers have decimal commas; write them with points"));
 }
 
 /// The sensor's default lens.

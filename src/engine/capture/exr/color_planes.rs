@@ -37,6 +37,14 @@ const NARROWED: usize = 256;
 const NOT_FINITE: u16 = 0x7c00;
 
 impl ColorPlanes {
+    /// Every channel times a number.
+    pub(crate) fn multiplied_by(self, factor: f32) -> Self {
+        if factor == 1.0 {
+            return self;
+        }
+        Self::Single(self.into_single().map(|plane| plane.into_iter().map(|value| value * factor).collect()))
+    }
+
     /// As `f32`.
     pub(crate) fn into_single(self) -> [Vec<f32>; 3] {
         match self {

@@ -21,6 +21,8 @@ pub(super) struct TextLine<'a> {
     pub number: usize,
     /// Its fields; there is one at least.
     pub fields: Vec<&'a str>,
+    /// Whether commas look like decimal ones: several of the words between spaces are two whole numbers with a comma between them.
+    has_decimal_commas: bool,
 }
 
 impl TextFile {
@@ -53,7 +55,8 @@ impl TextFile {
             let separates = |letter: char| letter.is_whitespace() || letter == ',';
             let fields: Vec<&str> = text.split(separates).filter(|field| !field.is_empty()).collect();
             let is_data = !fields.is_empty() && !text.starts_with('#');
-            is_data.then_some(TextLine { path: &self.path, number: index + 1, fields })
+            let has_decimal_commas = has_decimal_commas(text);
+            is_data.then_some(TextLine { path: &self.path, number: index + 1, fields, has_decimal_commas })
         })
     }
     /// All numbers of the file in their order.
@@ -63,12 +66,28 @@ impl TextFile {
     pub(super) fn numbers(&self) -> Result<Vec<f64>> {
         let mut numbers = Vec::new();
         for line in self.lines() {
+            line.check_commas()?;
             for field in &line.fields {
                 numbers.push(line.number_in(field)?);
             }
         }
         Ok(numbers)
     }
+}
+
+/// Whether two words of a line or more are `digits,digits`, and no word has another comma.
+fn has_decimal_commas(line: &str) -> bool {
+    let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|letter| letter.is_ascii_digit());
+    let is_decimal = |word: &str| {
+        let parts = word.split_once(',');
+        parts.is_some_and(|(whole, rest)| {
+            is_digits(whole.trim_start_matches(['-', '+']))
+                && is_digits(rest.split(['e', 'E']).next().unwrap_or(""))
+        })
+    };
+    let words = || line.split(|letter: char| letter.is_whitespace() || letter == ';');
+    let with_commas = words().filter(|word| word.contains(',')).count();
+    with_commas >= 2 && words().filter(|word| is_decimal(word)).count() == with_commas
 }
 
 impl TextLine<'_> {
@@ -82,8 +101,17 @@ impl TextLine<'_> {
         field.parse().map_err(|_| self.error(format!("'{field}' is no number")))
     }
 
+    /// Refuses decimal commas: they would make two numbers of one.
+    fn check_commas(&self) -> Result<()> {
+        if self.has_decimal_commas {
+            return Err(self.error("numbers have decimal commas; write them with points, as in 0.5"));
+        }
+        Ok(())
+    }
+
     /// The `N` numbers from field `first` on.
     pub(super) fn numbers<const N: usize>(&self, first: usize) -> Result<[f64; N]> {
+        self.check_commas()?;
         let mut numbers = [0.0; N];
         for (index, number) in numbers.iter_mut().enumerate() {
             let Some(field) = self.fields.get(first + index) else {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::depth_camera::DepthCamera;
+use super::exposure;
 use super::manifest::{Keys, Manifest, NormalSpaceName};
 use super::raw_video::RawVideo;
 use super::same_camera::SimilarNames;
@@ -55,6 +56,8 @@ pub(crate) struct PictureFiles {
     pub raw_video: RawVideo,
     /// `None` leaves it to the format: EXR is linear, PNG is sRGB.
     pub is_linear: Option<bool>,
+    /// What linear colors are multiplied by.
+    pub color_factor: f32,
     /// Whether what is transparent is no sample.
     pub uses_alpha: bool,
     /// Whether the manifest names colors of Rec.709's primaries, so that what the picture says of its own does not count.
@@ -148,6 +151,7 @@ impl PictureFiles {
             normal_space,
             raw_video: RawVideo::new(&keys.raw_video, depth_kind, place)?,
             is_linear: keys.color_space.as_deref().map(is_linear),
+            color_factor: exposure::factor(keys.exposure, place)?,
             uses_alpha: keys.use_alpha.unwrap_or(true),
             are_colors_named: keys.color_space.as_deref().is_some_and(are_rec_709),
             rows: keys.picture_orientation,

@@ -119,7 +119,7 @@ pub(super) fn frame(files: &PictureFiles, camera: &Camera, place: &str, need: Ne
         mask_out(mask, files, camera, place, &mut depth.inverse_depth)?;
     }
     let layers = Layers {
-        color: parts.color,
+        color: parts.color.multiplied_by(files.color_factor),
         alpha: parts.alpha.filter(|_| files.uses_alpha),
         inverse_depth: depth.inverse_depth,
         depth_step_relative: depth.step_relative,

@@ -98,6 +98,8 @@ pub(crate) struct Keys {
     pub use_alpha: Option<bool>,
     /// What colors mean; anything with `linear` in it is taken as it is, `srgb` is decoded.
     pub color_space: Option<String>,
+    /// By how many stops colors are brightened as they are read; 0 where missing.
+    pub exposure: Option<f64>,
     /// Which rows of pictures that a tag turns are meant.
     pub picture_orientation: Option<PictureRows>,
     /// Up in world space.
@@ -162,7 +164,7 @@ impl Keys {
             camera, time, frame, fl_x, fl_y, cx, cy, w, h, camera_angle_x, camera_angle_y, x_fov, y_fov, camera_model, lens,
             applied_scale, depth_kind, depth_channel, normal_channel, layer, depth_miss_value,
             depth_unit_scale_factor, integer_depth_scale, depth_integer_scale, depth_scale, depth_invalid_value,
-            depth_camera, near_clip, far_clip, normal_space, antialiased_color, noise_free, pixel_center_offset, use_alpha, color_space, up,
+            depth_camera, near_clip, far_clip, normal_space, antialiased_color, noise_free, pixel_center_offset, use_alpha, color_space, exposure, up,
             picture_orientation, raw_video, transform_direction, camera_axes, values);
         Self { time: both.time.filter(|_| both.frame.is_none()), ..both }
     }

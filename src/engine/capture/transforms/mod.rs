@@ -15,6 +15,7 @@ mod colmap_keys;
 mod depth_camera;
 mod depth_file;
 mod depth_presence;
+mod exposure;
 mod exr_picture;
 mod files;
 mod frame_numbers;
@@ -142,6 +143,7 @@ fn open_manifest(
     let keys = || recording.entries.iter().flatten().map(|entry| &entry.keys);
     warnings.extend(unknown_color_spaces(keys()));
     warnings.extend(scaled_poses(keys()));
+    warnings.extend(exposure::warning(&recording));
     let up_in_world = up_in_world(keys(), path)?;
     // Renderers filter color unless the manifest denies it.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));

@@ -89,10 +89,13 @@ impl OverlookApp {
         let cameras = self.state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
         let cut = self.state.report().map_or(&[][..], |report| &report.cut);
         let gone: Vec<String> = cut.iter().flat_map(|cut| cut.cameras.clone()).collect();
-        if let Err(error) =
-            list.check(cameras, &gone, self.state.value_channels(), &path.display().to_string())
-        {
+        let frames = self.state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.frame_numbers);
+        let place = path.display().to_string();
+        if let Err(error) = list.check(cameras, &gone, self.state.value_channels(), &place) {
             return self.state.notify(NoticeKind::Error, "Edits not opened", error.to_string());
+        }
+        for warning in list.without_effect(frames, &place) {
+            self.state.notify(NoticeKind::Warning, "An edit does nothing here", warning);
         }
         self.state.take_edits(list);
         self.state.notify(NoticeKind::Done, "Edits opened", path.display().to_string());
