@@ -61,7 +61,7 @@ pub fn edit_store(
         Some(capture) => Some(votes_on(&images, &set.cameras, capture, job)?),
         None => None,
     };
-    let left = edits::cut(&images, &set, edits, votes.as_ref(), &place)?;
+    let left = edits::cut(&images, &set, edits, votes.as_ref(), &place, job)?;
     if left.is_changed {
         let cut = CutByHand {
             edits: edits.to_toml(),

@@ -160,7 +160,7 @@ pub(crate) fn cut_by_hand(
     let votes =
         if edits.asks_for_votes() { Some(votes_on(&images, &outline.cameras, capture, job)?) } else { None };
     let EditedImages { images, dropped, dropped_pixels, .. } =
-        edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits")?;
+        edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits", job)?;
     for (camera, removed) in report.cameras.iter_mut().zip(removed) {
         camera.invalid = camera.invalid.saturating_sub(*removed);
     }

@@ -1,11 +1,14 @@
 //! Edits in the window: what is selected and deleted is shown, taken back and saved, with the bytes that lists give elsewhere.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use crate::app::model::Command;
 use crate::app::model::command::{Combine, EditCommand, ViewCommand};
+use crate::app::model::picture::LiveKey;
 use crate::app::model::purpose::Purpose;
+use crate::app::model::{Command, Same};
 use crate::app::tests::{OverlookApp, ready, settle, wait};
+use crate::app::work::worker::Wanted;
 use crate::pruned_store;
 use crate::ways_out;
 use overlook_engine::capture;
@@ -244,4 +247,22 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
     let capture = capture::open(&small_capture(), &settings.capture).unwrap();
     pruned_store::prune_into_store(&capture, &settings, &edits, &beside, &Job::new()).unwrap();
     assert!(std::fs::read(&store).unwrap() == std::fs::read(&beside).unwrap());
+}
+
+#[test]
+fn what_is_selected_shows_in_a_coarse_picture_first_however_long_that_takes() {
+    let mut app = ready(2, 2);
+    let center = surface_point(&app);
+    app.apply(Command::Edit(EditCommand::Select(Region::Sphere { center, radius: 1e6 })));
+    wait(&mut app, "the selection", |app| app.state.edited_now().is_some());
+    let first = app.workers.live.asked().unwrap();
+    let shows_marks = first.samples == Same(app.state.edited_now().unwrap().shown.clone());
+    assert!(first.quality.is_some() && shows_marks, "it is asked at once");
+    std::thread::sleep(Duration::from_millis(150));
+    assert!(LiveKey::changes_in(&app.state).is_none(), "the view rests");
+    assert!(first.is_of_use(&app.state), "it is not stopped before it is shown");
+    settle(&mut app);
+    assert!(!first.is_of_use(&app.state));
+    let shown = &app.state.doc.live_shown.as_ref().unwrap().key;
+    assert!(shown.quality.is_none() && shown.samples == first.samples);
 }

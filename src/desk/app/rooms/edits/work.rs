@@ -61,7 +61,7 @@ impl SampleEditor {
         let asks = list.asks_for_votes() || key.selection.as_ref().is_some_and(Region::asks_for_votes);
         let votes = if asks { self.votes(key, &base, job)? } else { None };
         let (votes, place) = (votes.as_deref(), &key.scene.name);
-        let samples = self.cut(&base, &list, votes, place)?;
+        let samples = self.cut(&base, &list, votes, place, job)?;
         let mut edited = EditedScene {
             before: base.sample_count(),
             deleted: base.sample_count().saturating_sub(samples.sample_count()),
@@ -75,17 +75,14 @@ impl SampleEditor {
             let mark = Tokens::of(true).mark;
             let color =
                 [mark.r(), mark.g(), mark.b()].map(|channel| linear_from_srgb(f32::from(channel) / 255.0));
-            job.check()?;
-            let (tinted, count) = selected(&base, region, color, votes, place)?;
+            let (tinted, count) = selected(&base, region, color, votes, place, job)?;
             if list.is_idle() {
                 (edited.shown, edited.selected) = (Arc::new(tinted), count);
             } else {
-                job.check()?;
-                edited.shown = Arc::new(edit_tinted(&tinted, &base, &list, votes, place)?);
-                job.check()?;
+                edited.shown = Arc::new(edit_tinted(&tinted, &base, &list, votes, place, job)?);
                 let mut without = list;
                 without.edits.push(Edit::new("", Action::Delete, region.clone()));
-                let (rest, _) = edit_samples(&base, &without, votes, place)?;
+                let (rest, _) = edit_samples(&base, &without, votes, place, job)?;
                 edited.selected = edited.samples.sample_count().saturating_sub(rest.sample_count());
             }
             job.check()?;
@@ -124,6 +121,7 @@ impl SampleEditor {
         list: &EditList,
         votes: Option<&SampleVotes>,
         place: &str,
+        job: &Job,
     ) -> Result<Arc<SampleSet>> {
         if list.is_idle() {
             return Ok(base.clone());
@@ -132,7 +130,7 @@ impl SampleEditor {
         {
             return Ok(cut.clone());
         }
-        let cut = Arc::new(edit_samples(base, list, votes, place)?.0);
+        let cut = Arc::new(edit_samples(base, list, votes, place, job)?.0);
         self.cut = Some((base.clone(), list.clone(), cut.clone()));
         Ok(cut)
     }
