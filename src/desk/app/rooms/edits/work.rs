@@ -33,6 +33,9 @@ impl Wanted for EditKey {
     }
 }
 
+/// A list, and how many samples it leaves.
+type CutLength = (EditList, u64);
+
 /// What is kept between edits: what was read, asked and cut last.
 #[derive(Default)]
 pub(crate) struct SampleEditor {
@@ -42,6 +45,8 @@ pub(crate) struct SampleEditor {
     votes: Option<(Arc<SampleSet>, Arc<SampleVotes>)>,
     /// What a list leaves of samples.
     cut: Option<(Arc<SampleSet>, EditList, Arc<SampleSet>)>,
+    /// How many samples the beginnings of lists leave.
+    left: Option<(Arc<SampleSet>, Vec<CutLength>)>,
 }
 
 impl SampleEditor {
@@ -62,7 +67,11 @@ impl SampleEditor {
         let votes = if asks { self.votes(key, &base, job)? } else { None };
         let (votes, place) = (votes.as_deref(), &key.scene.name);
         let samples = self.cut(&base, &list, votes, place, job)?;
+        let is_whole = list.edits.len() == key.list.edits.len();
+        let counts =
+            if is_whole { self.counts(&base, &list, &samples, votes, place, job)? } else { Vec::new() };
         let mut edited = EditedScene {
+            counts,
             before: base.sample_count(),
             deleted: base.sample_count().saturating_sub(samples.sample_count()),
             selected: 0,
@@ -113,6 +122,35 @@ impl SampleEditor {
         let votes = Arc::new(votes);
         self.votes = Some((base.clone(), votes.clone()));
         Ok(Some(votes))
+    }
+
+    /// How many samples each edit takes from those before it; `cut` is what all of them leave. What a list began with stays known, so that
+    /// one more edit costs nothing.
+    fn counts(
+        &mut self,
+        base: &Arc<SampleSet>,
+        list: &EditList,
+        cut: &SampleSet,
+        votes: Option<&SampleVotes>,
+        place: &str,
+        job: &Job,
+    ) -> Result<Vec<i64>> {
+        let known = self.left.take().filter(|(of, _)| Arc::ptr_eq(of, base)).map(|(_, known)| known);
+        let known = known.unwrap_or_default();
+        let mut left: Vec<CutLength> = Vec::new();
+        for count in 0..=list.edits.len() {
+            let first = EditList { edits: list.edits[..count].to_vec() };
+            let samples = match known.iter().find(|(of, _)| *of == first) {
+                _ if count == list.edits.len() => cut.sample_count(),
+                _ if first.is_idle() => base.sample_count(),
+                Some((_, samples)) => *samples,
+                None => edit_samples(base, &first, votes, place, job)?.0.sample_count(),
+            };
+            left.push((first, samples));
+        }
+        let counts = left.windows(2).map(|pair| pair[0].1 as i64 - pair[1].1 as i64).collect();
+        self.left = Some((base.clone(), left));
+        Ok(counts)
     }
 
     fn cut(

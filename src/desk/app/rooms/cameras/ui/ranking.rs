@@ -102,7 +102,9 @@ fn row_ui(
 ) {
     let index = scene.cameras.iter().position(|known| known.name == camera.name);
     ui.horizontal(|ui| {
-        index.into_iter().for_each(|index| dot(ui, index));
+        if let Some(index) = index {
+            dot(ui, index);
+        }
         let name = egui::Label::new(&camera.name).truncate().sense(egui::Sense::click());
         if let Some(index) = index.filter(|_| ui.add(name).on_hover_text(&camera.name).clicked()) {
             commands.push(Command::Source(SourceCommand::Camera(index)));

@@ -159,7 +159,9 @@ mod tests {
         let before = Settings::default();
         let point = |assignments: &[&str], psnr: f64, samples: u64| {
             let mut settings = before.clone();
-            assignments.iter().for_each(|assignment| settings.set_text(assignment).unwrap());
+            for assignment in assignments {
+                settings.set_text(assignment).unwrap();
+            }
             let trial = Trial::new(assignments.join(", "), settings);
             let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
             (point.psnr_filled_db, point.samples, point.bytes) = (psnr, samples, 10 * samples);
