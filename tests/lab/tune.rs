@@ -84,7 +84,7 @@ fn the_camera_that_others_make_needless_comes_first_and_its_figures_are_those_wi
         assert_eq!(last.samples_less, kept(None) - kept(Some(&last.name)));
         // What is known is not measured again.
         plan.done = cameras[1..].to_vec();
-        assert_eq!(ranked(&scene, truth, &plan), [first.clone()]);
+        assert_eq!(ranked(&scene, truth, &plan), std::slice::from_ref(first));
         // What edits leave out is not there.
         plan.done.clear();
         let names = Region::Cameras(vec![added.clone()]);
