@@ -17,6 +17,9 @@ use overlook_lab::tune::CameraWorth;
 /// Width of the ranking beside the pictures, points; in less than twice of it the pictures give way.
 pub(super) const WIDTH: f32 = 430.0;
 
+/// Width of a camera's name and sign, points.
+const NAME: f32 = 100.0;
+
 /// Whether there is a ranking to be shown.
 pub(super) fn is_shown(state: &State) -> bool {
     let charts = &state.doc.charts;
@@ -102,6 +105,8 @@ fn row_ui(
 ) {
     let index = scene.cameras.iter().position(|known| known.name == camera.name);
     ui.horizontal(|ui| {
+        // In the width of the column before, a name that was cut off would stay so.
+        ui.set_max_width(NAME);
         if let Some(index) = index {
             dot(ui, index);
         }
