@@ -30,7 +30,7 @@ pub(super) fn ranking_ui(ui: &mut Ui, state: &State, scene: &OpenScene, commands
     let charts = &state.doc.charts;
     ui.horizontal(|ui| {
         ui.label(RichText::new("Most needless first").strong());
-        if charts.under_way() == Some(Study::Ranking) {
+        if charts.under_way() == Some(Study::Ranking) && !charts.ranking.is_empty() {
             ui.add(egui::Spinner::new().size(14.0));
         } else if charts.goes_on(Study::Ranking, &state.settings) {
             study_button(ui, state, Study::Ranking, commands);
@@ -50,7 +50,7 @@ pub(super) fn ranking_ui(ui: &mut Ui, state: &State, scene: &OpenScene, commands
     }
     let left_out = state.doc.edits.list.cameras_left_out();
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        let grid = Grid::new("ranked cameras").num_columns(5).striped(true).spacing([14.0, 4.0]);
+        let grid = Grid::new("ranked cameras").num_columns(5).spacing([14.0, 4.0]);
         grid.show(ui, |ui| {
             heads_ui(ui, &charts.ranking);
             for camera in &charts.ranking {
