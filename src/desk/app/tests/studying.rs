@@ -75,7 +75,7 @@ fn tuned_settings_are_put_on_at_a_button_and_taken_back_by_undo() {
     settle(&mut app);
     let tuned = app.state.doc.charts.tuned.clone().unwrap();
     assert_eq!(app.state.settings, before, "nothing changes by itself");
-    assert!(view_says(&app.state, DockView::Tuning, "settings tried, the best comes within"));
+    assert!(view_says(&app.state, DockView::Tuning, "settings tried, the best has"));
     let changes = tuned.settings != before;
     assert_eq!(view_says(&app.state, DockView::Tuning, "Use these settings"), changes);
     app.apply(Command::Settings(SettingsCommand::Take(Box::new(tuned.settings.clone()))));

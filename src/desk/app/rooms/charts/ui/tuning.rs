@@ -98,7 +98,7 @@ fn sentence(tuned: &Tuned, has_changes: bool) -> String {
     };
     let most = tuned.at_most_db.unwrap_or_default();
     format!(
-        "{found} Of {tried} tried, the best comes within {:.2} dB of the truth over {viewpoints}; good enough is what surely gives up \
+        "{found} Of {tried} tried, the best has {:.2} dB over {viewpoints}; good enough is what surely gives up \
          at most {most} dB of that.",
         tuned.best.psnr_filled_db
     )
