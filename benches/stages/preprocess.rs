@@ -164,5 +164,5 @@ fn select(bencher: Bencher) {
         strokes: Vec::new(),
     };
     let bencher = bencher.counter(frame_pixels());
-    bencher.bench(|| selected(set, &region, [1.0, 0.5, 0.0], None, "samples").unwrap());
+    bencher.bench(|| selected(set, &region, [1.0, 0.5, 0.0], None, "samples", &Job::new()).unwrap());
 }

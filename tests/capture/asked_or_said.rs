@@ -65,7 +65,7 @@ fn colors_far_brighter_than_white_are_said_and_one_key_scales_them_all() {
 fn focal_lengths_that_are_no_pixels_are_refused_with_what_to_multiply_them_by() {
     let folder = Folder::new();
     folder.put("a.exr", &plain(flat(2.0)));
-    for focal in [0.4, 0.5] {
+    for focal in [0.2, 0.3] {
         let mut one = entry("a.exr", "a", 0);
         (one["fl_x"], one["fl_y"]) = (focal.into(), focal.into());
         let refused = folder.open(json!({}), &[one]).map(drop).unwrap_err().to_string();

@@ -1,22 +1,20 @@
 //! Tuning: the same answer every time, no camera too many, and nothing claimed that is not so.
 
+use std::collections::BTreeSet;
+
+use overlook_engine::edits::{Action, Edit, EditList, Region};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::preprocess;
 use overlook_engine::settings::{Settings, SpanLevels};
 use overlook_lab::sweep::Point;
-use overlook_lab::tune::{self, TuneBudget, TunePlan, Tuned};
+use overlook_lab::trial::Fineness;
+use overlook_lab::truth::Truth;
+use overlook_lab::tune::{self, CameraWorth, RankPlan, TuneBudget, TunePlan, Tuned};
 
 use crate::scenes::{Scene, flashing, one_too_many, orrery, still};
 
 fn plan() -> TunePlan {
-    TunePlan {
-        settings: Settings::default(),
-        budget: None,
-        whole: None,
-        at_most_db: tune::AT_MOST_DB,
-        drop_cameras: true,
-        done: Vec::new(),
-    }
+    TunePlan { drop_cameras: true, ..TunePlan::of(Settings::default()) }
 }
 
 fn tuned(scene: &Scene, plan: &TunePlan) -> Tuned {
@@ -50,6 +48,70 @@ fn a_redundant_camera_is_dropped_and_no_other_and_the_answer_is_the_same_every_t
     assert_eq!(
         (first.settings, first.cameras, first.camera_costs, first.words),
         (second.settings, second.cameras, second.camera_costs, second.words)
+    );
+}
+
+fn ranked(scene: &Scene, truth: &Truth, plan: &RankPlan) -> Vec<CameraWorth> {
+    let mut cameras = Vec::new();
+    let add = |camera: &CameraWorth, (known, of): (usize, usize)| {
+        assert!(known <= of);
+        cameras.push(camera.clone());
+    };
+    tune::rank_cameras(&scene.capture, plan, truth, &Job::new(), add).unwrap();
+    CameraWorth::sort(&mut cameras);
+    cameras
+}
+
+#[test]
+fn the_camera_that_others_make_needless_comes_first_and_its_figures_are_those_without_it() {
+    let scene = one_too_many(2);
+    let added = scene.capture.cameras.last().unwrap().name.clone();
+    for truth in [&scene.truth, &Truth::HoldOut] {
+        let (settings, edits) = (Settings::default(), EditList::default());
+        let mut plan = RankPlan { settings, edits, done: Vec::new() };
+        let cameras = ranked(&scene, truth, &plan);
+        println!("{cameras:#?}");
+        assert_eq!(cameras.len(), scene.capture.cameras.len());
+        let (first, last) = (&cameras[0], cameras.last().unwrap());
+        assert_eq!(first.name, added);
+        assert!(first.seen_alone < 0.01 && last.seen_alone > first.seen_alone);
+        assert!(first.psnr_filled_db > last.psnr_filled_db);
+        assert_eq!(first.loss_db.is_some(), matches!(truth, Truth::Views(_)));
+        let kept = |without: Option<&str>| {
+            let capture = scene.capture.with_cameras(|_, camera| Some(camera.name.as_str()) != without);
+            preprocess(&capture, &Settings::default(), &Job::new()).unwrap().samples.sample_count() as i64
+        };
+        assert_eq!(last.samples_less, kept(None) - kept(Some(&last.name)));
+        // What is known is not measured again.
+        plan.done = cameras[1..].to_vec();
+        assert_eq!(ranked(&scene, truth, &plan), std::slice::from_ref(first));
+        // What edits leave out is not there.
+        plan.done.clear();
+        let names = Region::Cameras(vec![added.clone()]);
+        plan.edits.edits.push(Edit::new("needless", Action::LeaveOut, names));
+        let names = |cameras: &[CameraWorth]| -> BTreeSet<String> {
+            cameras.iter().map(|camera| camera.name.clone()).collect()
+        };
+        assert_eq!(names(&ranked(&scene, truth, &plan)), names(&cameras[1..]));
+    }
+}
+
+#[test]
+fn little_time_is_enough_for_an_answer_and_what_is_left_out_is_not_varied() {
+    let scene = orrery(2);
+    let time = Some(std::time::Duration::ZERO);
+    let hurried = tuned(&scene, &TunePlan { drop_cameras: false, time, ..plan() });
+    assert!(hurried.points.iter().all(|point| !point.label.contains(" = ")), "nothing was varied");
+    let left_out = |paths: &[&str]| paths.iter().map(|path| (*path).to_owned()).collect();
+    let of = |plan: &TunePlan| plan.first_trials().len();
+    let (all, fewer) = (plan(), TunePlan { left_out: left_out(&["pruning.depth_tolerance"]), ..plan() });
+    let coarse = TunePlan { fineness: Fineness::Coarse, ..plan() };
+    assert!(
+        of(&fewer) + 5 == of(&all) && of(&coarse) < of(&all),
+        "{} {} {}",
+        of(&fewer),
+        of(&all),
+        of(&coarse)
     );
 }
 

@@ -32,7 +32,7 @@ fn ball(frame: usize) -> Region {
 }
 
 pub(crate) fn edited(set: &SampleSet, edits: &EditList) -> SampleSet {
-    edit_samples(set, edits, None, "test").unwrap().0
+    edit_samples(set, edits, None, "test", &Job::new()).unwrap().0
 }
 
 /// A pixel of a camera at a frame, with its color and its inverse depth.
@@ -90,10 +90,14 @@ fn nothing_is_left_inside_of_what_is_deleted_and_keeping_alone_is_deleting_the_r
     for region in regions {
         let inverse = Region::Not(Box::new(region.clone()));
         let without = edited(&set, &list([(Action::Delete, region.clone())]));
-        let (_, selection) = selected(&set, &region, [1.0, 0.0, 0.0], None, "test").unwrap();
+        let (_, selection) = selected(&set, &region, [1.0, 0.0, 0.0], None, "test", &Job::new()).unwrap();
         assert!(selection > 0 && selection < set.sample_count(), "{region:?}: {selection}");
         assert_eq!(without.sample_count() + selection, set.sample_count(), "{region:?}");
-        assert_eq!(selected(&without, &region, [0.0; 3], None, "test").unwrap().1, 0, "{region:?}");
+        assert_eq!(
+            selected(&without, &region, [0.0; 3], None, "test", &Job::new()).unwrap().1,
+            0,
+            "{region:?}"
+        );
         let kept = edited(&set, &list([(Action::KeepOnly, region.clone())]));
         assert_eq!(kept.images, edited(&set, &list([(Action::Delete, inverse)])).images, "{region:?}");
         assert_eq!(kept.sample_count(), selection);
@@ -227,7 +231,8 @@ fn samples_that_one_camera_misread_are_selected_by_what_other_cameras_say() {
         });
     let set = preprocess(&capture, &settings, &Job::new()).unwrap().samples;
     let votes = votes_on(&ImageBuffer::of(&set.images), &set.cameras, &capture, &Job::new()).unwrap();
-    let count = |region: Region| selected(&set, &region, [0.0; 3], Some(&votes), "test").unwrap().1;
+    let count =
+        |region: Region| selected(&set, &region, [0.0; 3], Some(&votes), "test", &Job::new()).unwrap().1;
     let side = SQUARE.len() as f64;
     let outline = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]]
         .map(|corner| corner.map(|at| at + SQUARE.start as f64));
@@ -244,6 +249,6 @@ fn samples_that_one_camera_misread_are_selected_by_what_other_cameras_say() {
     assert!(counts.is_sorted() && counts[0] < counts[4], "{counts:?}");
     assert!(count(Region::SeenByOneCamera) <= counts[0]);
     let asked = list([(Action::Delete, Region::Contradicted)]);
-    let error = edit_samples(&set, &asked, None, "set").unwrap_err().to_string();
+    let error = edit_samples(&set, &asked, None, "set", &Job::new()).unwrap_err().to_string();
     assert!(error.contains("--capture"), "{error}");
 }

@@ -5,7 +5,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use overlook_engine::capture::{Camera, Capture, PixelSide};
-use overlook_engine::edits::{Action, CutByHand, Edit, EditList, Region, Stroke, Viewpoint, edit_samples};
+use overlook_engine::edits::{
+    Action, CutByHand, Edit, EditList, Region, Stroke, Viewpoint, edit_samples, selected,
+};
+use overlook_engine::error::Error;
+use overlook_engine::job::Job;
 use overlook_engine::samples::{PlacedSample, SampleImage, SampleSet};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
@@ -51,6 +55,32 @@ fn is_seen(capture: &Capture, camera: &Camera, point: DVec3, [first, last]: [f64
         return Some(true);
     }
     ratios.iter().all(|ratio| *ratio > 1.1).then_some(false)
+}
+
+#[test]
+fn a_selection_that_is_cancelled_ends_whatever_it_asks() {
+    let capture = still_life();
+    let set = pruned(&capture).samples;
+    let at = placed(&set)[0].1.point_in_world.to_array();
+    let surface = Region::same_surface(at, set.frame_numbers[0]);
+    let camera = set.cameras[0].name.clone();
+    let drawn = Region::Pixels {
+        camera,
+        frame: Some(set.frame_numbers[0]),
+        outline: square(8.0, 60.0),
+        strokes: vec![],
+    };
+    let grown = Region::Grow { region: Box::new(drawn.clone()), footprints: 2.0 };
+    let job = Job::new();
+    job.cancel();
+    for region in [surface, drawn, grown] {
+        let one = selected(&set, &region, [0.0; 3], None, "test", &Job::new()).unwrap().1;
+        assert!(one > 0, "{region:?}");
+        let stopped = selected(&set, &region, [0.0; 3], None, "test", &job);
+        assert!(matches!(stopped, Err(Error::Cancelled)), "{region:?}");
+        let deleted = edit_samples(&set, &list([(Action::Delete, region)]), None, "test", &job);
+        assert!(matches!(deleted, Err(Error::Cancelled)));
+    }
 }
 
 #[test]
@@ -124,7 +154,7 @@ fn what_was_outlined_in_the_picture_of_a_camera_that_is_left_out_is_gone_all_the
 fn a_region_of_a_frame_that_is_not_there_gives_one_clear_error() {
     let set = pruned(&still_life()).samples;
     let edits = list([(Action::Delete, Region::same_surface([0.0; 3], 7))]);
-    let error = edit_samples(&set, &edits, None, "list").unwrap_err().to_string();
+    let error = edit_samples(&set, &edits, None, "list", &Job::new()).unwrap_err().to_string();
     assert!(error.contains("names frame 7") && error.contains("1 frame from 0 to 0"), "{error}");
 }
 

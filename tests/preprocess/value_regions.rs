@@ -74,9 +74,9 @@ fn a_color_is_deleted_before_and_after_pruning_and_of_a_selection_that_is_shown_
     assert_eq!(edited(&kept, &list([(Action::KeepOnly, region.clone())])).sample_count(), expected);
     assert_eq!(near(&cleaned(&capture, &delete)), 0);
 
-    let (tinted, count) = selected(&kept, &region, [1.0, 0.0, 1.0], None, "test").unwrap();
+    let (tinted, count) = selected(&kept, &region, [1.0, 0.0, 1.0], None, "test", &Job::new()).unwrap();
     assert_eq!((count, near(&tinted)), (expected, 0));
-    let left = edit_tinted(&tinted, &kept, &delete, None, "test").unwrap();
+    let left = edit_tinted(&tinted, &kept, &delete, None, "test", &Job::new()).unwrap();
     assert_eq!(left.sample_count(), all - expected, "the colors count that samples had before");
 }
 

@@ -8,7 +8,7 @@ use crate::app::model::purpose::{Purpose, Table, TableForm};
 use crate::app::model::window::{Area, DockView};
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::state::Study;
-use crate::app::rooms::charts::ui::parts::chart_commands;
+use crate::app::rooms::charts::ui::parts::{chart_commands, study_button};
 use crate::app::rooms::report::table_text;
 use crate::app::widgets::{NARROW, note};
 
@@ -34,6 +34,9 @@ fn contents(view: DockView) -> (Option<Study>, &'static [Table]) {
 
 /// The button, where the view has something to export.
 pub(crate) fn export_ui(ui: &mut Ui, view: DockView, state: &State, commands: &mut Commands) {
+    if view == DockView::Cameras {
+        return study_button(ui, state, Study::Ranking, commands);
+    }
     let (study, tables) = contents(view);
     let is_there = |table: &&Table| table_text(**table, TableForm::Csv, state).is_some();
     if tables.is_empty() {
@@ -56,7 +59,7 @@ pub(crate) fn export_ui(ui: &mut Ui, view: DockView, state: &State, commands: &m
             study.into_iter().flat_map(|study| ["Copy", "Save"].into_iter().zip(chart_commands(study)))
         {
             let dots = if verb == "Save" { "…" } else { "" };
-            let name = format!("{verb} the {}", study.map_or("", Study::chart_name));
+            let name = format!("{verb} the {}", study.map_or_else(String::new, Study::chart_name));
             let entry = ui.button(format!("{verb} chart{dots}")).accessible_name(name);
             if entry.on_hover_text("The series that are shown, on white paper.").clicked() {
                 commands.push(command);

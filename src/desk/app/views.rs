@@ -15,6 +15,7 @@ macro_rules! views {
             Report, "Report", "How many samples each rule pruned, for which cameras; how well cameras agree; memory.", report::ui::report_ui;
             Tradeoff, "Sweep", "What each setting costs, and how close it comes to the truth.", charts::ui::tradeoff_ui;
             Stability, "Stress test", "When accuracy breaks under disturbances.", charts::ui::stability_ui;
+            Tuning, "Tuning", "The smallest settings that are good enough for this capture.", charts::ui::tuning::tuning_ui;
             View, "View", "The live view's lens, pose and guides, and the cameras whose samples it shows.", live::ui::panel::view_panel_ui;
             Color, "Color", "How both views show color: exposure, tone curve, channel, background; histograms.", colors::ui::color_panel_ui;
             Edits, "Edits", "Select samples by place, outline or evidence; delete them, keep them alone, leave cameras out.", edits::ui::edits_ui;

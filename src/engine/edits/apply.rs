@@ -21,6 +21,7 @@ use super::seen::{Evidence, ImageMarks, PixelRays, Seen};
 use super::tile::Tile;
 use crate::capture::Camera;
 use crate::error::{Error, Result};
+use crate::job::Job;
 use crate::samples::{ImageBuffer, Sample, SampleImage, SampleSet, SampleVotes, Span, VoteCounts};
 
 /// What was cut by hand, apart from what rules dropped.
@@ -219,15 +220,16 @@ const BATCH: usize = 64;
 /// The same input gives the same images, whatever the number of threads. An image that nothing is deleted from is shared.
 ///
 /// # Errors
-/// `Invalid` where the list asks for votes or normals that are not there; `Io` as [`ImageBuffer::get`].
+/// `Invalid` where the list asks for votes or normals that are not there; `Io` as [`ImageBuffer::get`]; `Cancelled`.
 pub fn cut(
     images: &ImageBuffer,
     outline: &SampleSet,
     edits: &EditList,
     votes: Option<&SampleVotes>,
     place: &str,
+    job: &Job,
 ) -> Result<EditedImages> {
-    cut_as(images, None, outline, edits, votes, place)
+    cut_as(images, None, outline, edits, votes, place, job)
 }
 
 /// Cuts images whose colors were changed: edits ask for the colors of `own`.
@@ -238,6 +240,7 @@ fn cut_as(
     edits: &EditList,
     votes: Option<&SampleVotes>,
     place: &str,
+    job: &Job,
 ) -> Result<EditedImages> {
     if edits.asks_for_votes() && votes.is_none() {
         return Err(Error::invalid(
@@ -252,6 +255,7 @@ fn cut_as(
         in_order.iter().map(|edit| &edit.region),
         votes,
         place,
+        job,
     )?;
     let of_camera = |camera| {
         let context = RegionContext { camera, channels: &outline.values, marked: marks.regions() };
@@ -265,6 +269,7 @@ fn cut_as(
         let batch = (first..images.len().min(first + BATCH)).into_par_iter();
         let edited: Vec<(Arc<SampleImage>, Left)> = batch
             .map(|index| {
+                job.check()?;
                 let image = images.get(index)?;
                 let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
                 let own = own.map_or_else(|| Ok(image.clone()), |own| own.get(index))?;
@@ -309,8 +314,10 @@ pub fn edit_samples(
     edits: &EditList,
     votes: Option<&SampleVotes>,
     place: &str,
+    job: &Job,
 ) -> Result<(SampleSet, u64)> {
-    let EditedImages { images, dropped, .. } = cut(&ImageBuffer::of(&set.images), set, edits, votes, place)?;
+    let EditedImages { images, dropped, .. } =
+        cut(&ImageBuffer::of(&set.images), set, edits, votes, place, job)?;
     Ok((SampleSet { images: images.into_images()?, ..set.clone() }, dropped))
 }
 
@@ -324,9 +331,10 @@ pub fn edit_tinted(
     edits: &EditList,
     votes: Option<&SampleVotes>,
     place: &str,
+    job: &Job,
 ) -> Result<SampleSet> {
     let [shown, own] = [tinted, own].map(|set| ImageBuffer::of(&set.images));
-    let EditedImages { images, .. } = cut_as(&shown, Some(&own), tinted, edits, votes, place)?;
+    let EditedImages { images, .. } = cut_as(&shown, Some(&own), tinted, edits, votes, place, job)?;
     Ok(SampleSet { images: images.into_images()?, ..tinted.clone() })
 }
 
@@ -344,16 +352,18 @@ pub fn selected(
     color: [f32; 3],
     votes: Option<&SampleVotes>,
     place: &str,
+    job: &Job,
 ) -> Result<(SampleSet, u64)> {
     if region.asks_for_votes() && votes.is_none() {
         return Err(Error::invalid(place, "which cameras confirm samples is not known of a store"));
     }
-    let marks = SampleMarks::of(&ImageBuffer::of(&set.images), set, [region].into_iter(), votes, place)?;
+    let marks = SampleMarks::of(&ImageBuffer::of(&set.images), set, [region].into_iter(), votes, place, job)?;
     let tinted: Vec<(Arc<SampleImage>, u64)> = set
         .images
         .par_iter()
         .enumerate()
         .map(|(index, image)| {
+            job.check()?;
             let camera = &set.cameras[image.camera as usize];
             let context = RegionContext { camera, channels: &set.values, marked: marks.regions() };
             let test = RegionTest::new(region, context);

@@ -29,8 +29,8 @@ pub mod temporal;
 mod traversal;
 
 pub(crate) use layers::{Rate, ViewingRays, footprint};
-pub use prepared_scan::PreparedScan;
-pub(crate) use prepared_scan::{better_conventions, edited_cache_bytes};
+pub(crate) use prepared_scan::better_conventions;
+pub use prepared_scan::{PreparedScan, edited_cache_bytes};
 pub use sample_votes::votes_on;
 pub(crate) use traversal::{KeptSamples, prune_run};
 
@@ -165,7 +165,7 @@ pub(crate) fn cut_by_hand(
     let votes =
         if edits.asks_for_votes() { Some(votes_on(&images, &outline.cameras, capture, job)?) } else { None };
     let EditedImages { images, dropped, dropped_pixels, .. } =
-        edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits")?;
+        edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits", job)?;
     edits::refuse_nothing(was_there, &images, "edits")?;
     for (camera, removed) in report.cameras.iter_mut().zip(removed) {
         camera.invalid = camera.invalid.saturating_sub(*removed);

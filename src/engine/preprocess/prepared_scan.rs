@@ -26,7 +26,8 @@ use crate::settings::{
 const EDITED_SHARE: usize = 4;
 
 /// Bytes of frames without the pixels that edits remove that are kept.
-pub(crate) fn edited_cache_bytes(settings: &Settings) -> usize {
+#[must_use]
+pub fn edited_cache_bytes(settings: &Settings) -> usize {
     settings.capture.memory as usize * (1 << 20) / EDITED_SHARE
 }
 

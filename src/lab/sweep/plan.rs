@@ -163,6 +163,15 @@ impl SweepPlan {
         plan
     }
 
+    /// Settings with their names, which vary a reference.
+    pub(crate) fn varying(reference: &Settings, varied: Vec<(String, Settings)>) -> Self {
+        let trials = varied.into_iter().map(|(label, settings)| {
+            let trial = Trial::new(label, settings);
+            Planned { trial, series: Series::Variation }
+        });
+        Self { trials: trials.collect(), ..Self::empty(reference) }
+    }
+
     fn empty(reference: &Settings) -> Self {
         Self {
             trials: Vec::new(),

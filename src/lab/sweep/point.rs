@@ -177,6 +177,11 @@ pub struct Point {
 }
 
 impl Point {
+    /// Whether it is what a trial gave.
+    pub(crate) fn is_of(&self, trial: &Trial) -> bool {
+        self.label == trial.label && self.settings == trial.settings
+    }
+
     /// Bytes of the store without the record of its settings: longer names of settings must not make it larger.
     #[must_use]
     pub fn bytes_of_samples(&self) -> u64 {

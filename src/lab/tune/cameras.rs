@@ -1,4 +1,4 @@
-//! The cameras that are needed.
+//! The cameras that are needed, and what the model would be without each.
 //!
 //! - With given views, accuracy is measured at these, without the camera. The camera is dropped if the loss surely stays within the
 //!   bound of the plan.
@@ -7,16 +7,105 @@
 //!
 //! Cameras with the fewest samples are tried first. For two cameras alike that is the one whose samples were pruned in favor of the other.
 
-use super::plan::CameraCost;
+use super::plan::{CameraCost, CameraWorth, RankPlan};
 use super::search::SettingSearch;
-use crate::metrics::MAX_PSNR_DB;
+use super::views::shown_alone;
+use crate::metrics::{MAX_PSNR_DB, Scores};
 use crate::sweep::Point;
-use crate::trial::{MeanEstimate, Trial, Workbench};
-use crate::truth::{self, Fold, Truth};
+use crate::trial::{MeanEstimate, TimeLeft, Trial, TrialResult, Workbench};
+use crate::truth::{self, Fold, Recorded, Truth};
+use overlook_engine::alignment;
 use overlook_engine::capture::Capture;
-use overlook_engine::error::Result;
+use overlook_engine::edits;
+use overlook_engine::error::{Error, Result};
+use overlook_engine::job::Job;
 use overlook_engine::preprocess;
-use overlook_engine::settings::Settings;
+use overlook_engine::settings::{AlignSettings, Settings};
+
+/// Measures what the model would be without each camera; `on_camera` receives each that is not known, in the capture's order, and how
+/// many are known, of how many.
+///
+/// # Errors
+/// Those of edits, preprocessing, rendering and truth; `Invalid` for a single camera; `Cancelled`: put the cameras received so far into
+/// [`RankPlan::done`] to continue.
+pub fn rank_cameras(
+    capture: &Capture,
+    plan: &RankPlan,
+    truth: &Truth,
+    job: &Job,
+    mut on_camera: impl FnMut(&CameraWorth, (usize, usize)),
+) -> Result<()> {
+    let left = edits::with_cameras_left(capture, &plan.edits)?;
+    if left.cameras.len() < 2 {
+        return Err(Error::invalid(&capture.name, "its only camera cannot be left out"));
+    }
+    let aligned = alignment::align(&left, &plan.settings.align, job)?;
+    let capture = &edits::without_removed_pixels(
+        &aligned.capture,
+        &plan.edits,
+        preprocess::edited_cache_bytes(&plan.settings),
+    );
+    // All cameras together corrected the rig; fewer must not correct it again.
+    let settings = Settings { align: AlignSettings::OFF, ..plan.settings.clone() };
+    let alone = shown_alone(capture, job)?;
+    let mut all = match truth {
+        Truth::Views(views) => {
+            let views = truth::views_as_taken(aligned.alignment.as_ref(), views);
+            Workbench::new(&Recorded::undisturbed(capture), &Truth::Views(views), &settings, job)?
+        }
+        Truth::HoldOut => {
+            let of =
+                Fold { held_out: None, capture: capture.clone(), classes: Vec::new(), views: Vec::new() };
+            Workbench::on(vec![of], &settings)
+        }
+    };
+    let whole = all.measure(&Trial::new("all cameras", settings.clone()), job)?;
+    let (total, mut known, mut time_left) = (capture.cameras.len(), plan.done.len(), TimeLeft::start(None));
+    for (camera, seen_alone) in capture.cameras.iter().zip(alone) {
+        if plan.done.iter().any(|known| known.name == camera.name) {
+            continue;
+        }
+        time_left.next(job, known + 1, total, total - known);
+        known += 1;
+        let others = capture.cameras.iter().map(|other| other.name.clone());
+        let without: Vec<String> = others.filter(|other| *other != camera.name).collect();
+        let (result, loss_db) = match truth {
+            Truth::Views(_) => {
+                let cameras = Some(without);
+                let trial = Trial { cameras, ..Trial::new("without a camera", settings.clone()) };
+                let result = all.measure(&trial, job)?;
+                let loss_db = accuracy(&whole) - accuracy(&result);
+                (result, Some(loss_db))
+            }
+            Truth::HoldOut => {
+                let own = at_its_own_place(capture, &without, &camera.name, &settings, job)?;
+                (own, None)
+            }
+        };
+        let worth = CameraWorth {
+            name: camera.name.clone(),
+            seen_alone,
+            psnr_filled_db: accuracy(&result),
+            loss_db,
+            samples_less: whole.samples as i64 - result.samples as i64,
+            bytes_less: whole.bytes as i64 - result.bytes as i64,
+        };
+        on_camera(&worth, (known, total));
+    }
+    job.set_context("");
+    Ok(())
+}
+
+/// Mean accuracy over all vantages, dB. Where nothing was recorded, nothing is lost.
+fn accuracy(result: &TrialResult) -> f64 {
+    let of_vantage = |views: &Vec<_>| views.iter().map(psnr_all_db).collect();
+    let vantages: Vec<Vec<f64>> = result.vantages.iter().map(of_vantage).collect();
+    if vantages.iter().all(Vec::is_empty) { MAX_PSNR_DB } else { MeanEstimate::over_vantages(&vantages).mean }
+}
+
+fn psnr_all_db((_, scores): &(String, Scores)) -> f64 {
+    scores.psnr_all_db
+}
 
 /// Names of the cameras to keep, and the cost of each that was left out on trial.
 pub(super) fn drop_needless(
@@ -45,7 +134,10 @@ pub(super) fn drop_needless(
                 (point.psnr_filled_db, search.is_good_enough(&point))
             }
             Truth::HoldOut => {
-                let own_db = at_its_own_place(search, capture, &without, &name, &chosen.settings)?;
+                let own = at_its_own_place(capture, &without, &name, &chosen.settings, search.job)?;
+                let own: Vec<f64> = own.vantages.iter().flatten().map(psnr_all_db).collect();
+                // It recorded nothing: dropping it costs nothing.
+                let own_db = if own.is_empty() { MAX_PSNR_DB } else { MeanEstimate::of(&own).mean };
                 (own_db, own_db >= limit_db)
             }
         };
@@ -74,21 +166,17 @@ fn by_samples(search: &SettingSearch<'_>, capture: &Capture, settings: &Settings
     Ok(order.into_iter().map(|camera| capture.cameras[camera].name.clone()).collect())
 }
 
-/// Accuracy of what the other cameras make of this one's frames.
+/// What the other cameras make of this one's frames.
 fn at_its_own_place(
-    search: &SettingSearch<'_>,
     capture: &Capture,
     without: &[String],
     name: &str,
     settings: &Settings,
-) -> Result<f64> {
+    job: &Job,
+) -> Result<TrialResult> {
     let (_, views) = truth::split(capture, &[name.to_owned()])?;
     let rest = capture.with_cameras(|_, camera| without.contains(&camera.name));
     let fold =
         Fold { held_out: Some(name.to_owned()), capture: rest, classes: vec![None; views.len()], views };
-    let trial = Trial::new(format!("without {name}"), settings.clone());
-    let result = Workbench::on(vec![fold], settings).measure(&trial, search.job)?;
-    let accuracy: Vec<f64> = result.vantages.iter().flatten().map(|(_, scores)| scores.psnr_all_db).collect();
-    // It recorded nothing: dropping it costs nothing.
-    Ok(if accuracy.is_empty() { MAX_PSNR_DB } else { MeanEstimate::of(&accuracy).mean })
+    Workbench::on(vec![fold], settings).measure(&Trial::new(format!("without {name}"), settings.clone()), job)
 }

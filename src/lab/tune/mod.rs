@@ -8,7 +8,7 @@
 //! every variation of one setting ─▶ best ─▶ good enough by paired differences ─▶ combine what saves bytes ─▶ cheaper kernel ─▶ cameras
 //! ```
 //!
-//! Apart from that, [`choose_views`] chooses the fewest views that show everything.
+//! Apart from that, [`choose_views`] chooses the fewest views that show everything, and [`rank_cameras`] measures what each camera is worth.
 
 mod cameras;
 mod choice;
@@ -17,7 +17,8 @@ mod search;
 mod views;
 mod words;
 
-pub use plan::{AT_MOST_DB, CameraCost, TuneBudget, TunePlan, Tuned};
+pub use cameras::rank_cameras;
+pub use plan::{AT_MOST_DB, CameraCost, CameraWorth, RankPlan, TuneBudget, TunePlan, Tuned};
 pub use views::{AddedView, ChosenViews, SHOWN_AT_LEAST, ViewCount, choose_views};
 
 use super::sweep::Point;

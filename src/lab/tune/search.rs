@@ -2,7 +2,7 @@
 
 use super::choice::{CandidateSetting, LossRule, Reason, most_accurate};
 use super::plan::{TuneBudget, TunePlan};
-use crate::sweep::{Point, Series, picture_variations, variations};
+use crate::sweep::{Point, Series};
 use crate::trial::{TimeLeft, Trial, Workbench};
 use crate::truth::{Recorded, Truth};
 use overlook_engine::capture::Capture;
@@ -10,7 +10,7 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::{BufferedResult, preprocess_buffered};
-use overlook_engine::settings::{Kernel, PruningMethod, RenderSettings, Settings};
+use overlook_engine::settings::{Kernel, RenderSettings, Settings};
 use overlook_engine::store::file::{self, Extras, InputFiles, Provenance};
 
 type OnPoint<'a> = Box<dyn FnMut(&Point) + 'a>;
@@ -58,14 +58,14 @@ impl<'a> SettingSearch<'a> {
     ) -> Result<Self> {
         let workbench = Workbench::new(&Recorded::undisturbed(capture), truth, &plan.settings, job)?;
         let stores = WholeStores::of(plan.whole.as_ref().unwrap_or(capture));
-        let (points, time_left) = (Vec::new(), TimeLeft::start(None));
+        let (points, time_left) = (Vec::new(), TimeLeft::start(plan.time));
         let (expected, starts_beyond) = (0, false);
         Ok(Self { plan, job, truth, workbench, stores, points, on_point, time_left, expected, starts_beyond })
     }
 
     /// Measures a trial, unless it is known.
     pub(super) fn measure(&mut self, trial: &Trial) -> Result<Point> {
-        let is_same = |point: &&Point| point.label == trial.label && point.settings == trial.settings;
+        let is_same = |point: &&Point| point.is_of(trial);
         if let Some(point) = self.points.iter().find(is_same) {
             return Ok(point.clone());
         }
@@ -116,13 +116,16 @@ impl<'a> SettingSearch<'a> {
 
     /// Finds the setting.
     pub(super) fn choose(&mut self) -> Result<Point> {
-        let trials = first_trials(self.plan);
+        let trials = self.plan.first_trials();
         self.expected = trials.len() + 12;
         let first = self.measure(&trials[0])?;
         self.starts_beyond = !self.is_within_budget(&first)?;
         self.measure(&trials[1])?;
         let mut changes = Vec::with_capacity(trials.len());
         for trial in &trials[2..] {
+            if self.time_left.is_spent() {
+                break;
+            }
             let point = self.measure(trial)?;
             changes.push(TriedChange { assignment: trial.label.clone(), point });
         }
@@ -240,21 +243,6 @@ impl<'a> SettingSearch<'a> {
         };
         Ok(Error::invalid("budget", what))
     }
-}
-
-/// The trials that a search begins with: the start, no pruning, and every variation of one setting; of the renderer's where time is
-/// what is scarce.
-fn first_trials(plan: &TunePlan) -> Vec<Trial> {
-    let start = &plan.settings;
-    let mut everything = start.clone();
-    everything.pruning.method = PruningMethod::Off;
-    let mut trials = vec![Trial::new("start", start.clone()), Trial::new("no pruning", everything)];
-    let mut varied = variations(start);
-    if matches!(plan.budget, Some(TuneBudget::Milliseconds(_))) {
-        varied.extend(picture_variations(start));
-    }
-    trials.extend(varied.into_iter().map(|(assignment, settings)| Trial::new(assignment, settings)));
-    trials
 }
 
 /// Points as the rule compares them.

@@ -43,7 +43,7 @@ pub(crate) fn tree_of(workspace: Workspace) -> Tree<DockView> {
             beside(&mut tiles, [both, side], 1.0 - SIDE_SHARE)
         }
         Workspace::Measure => {
-            let charts = tabs(&mut tiles, &[DockView::Tradeoff, DockView::Stability]);
+            let charts = tabs(&mut tiles, &[DockView::Tradeoff, DockView::Stability, DockView::Tuning]);
             let live = tabs(&mut tiles, &[DockView::Live, DockView::Compare]);
             let upper = beside(&mut tiles, [charts, live], 0.6);
             let lower = tabs(&mut tiles, &[DockView::Cameras, DockView::Time]);

@@ -290,7 +290,7 @@ pub(crate) enum CompareCommand {
     ClosePictures(u64),
 }
 
-/// What concerns sweeps and stress tests.
+/// What concerns sweeps, stress tests, tuning and the ranking of cameras.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ChartCommand {
     /// Measure what is chosen.
@@ -307,6 +307,8 @@ pub(crate) enum ChartCommand {
     Copy(Study),
     /// How the sizes of disturbances are spread.
     DialScale(Scale),
+    /// Close the ranking of cameras; it is shown again once cameras are ranked.
+    CloseRanking,
 }
 
 /// What concerns the readings of a capture.

@@ -26,6 +26,7 @@ use overlook_engine::preprocess::{PreparedScan, Preprocessed};
 use overlook_engine::settings::Settings;
 use overlook_lab::stress::StressPoint;
 use overlook_lab::sweep::Point;
+use overlook_lab::tune::{CameraWorth, Tuned};
 
 /// An answer of a worker.
 pub(crate) enum Message {
@@ -121,7 +122,24 @@ pub(crate) enum Message {
         point: Box<StressPoint>,
         known: (usize, usize),
     },
-    /// A sweep or a stress test is done, or its time is over with so many measurements left.
+    /// A point of tuning, and how many are known, of how many.
+    Tried {
+        scene: u64,
+        point: Box<Point>,
+        known: (usize, usize),
+    },
+    /// The settings that tuning found.
+    Tuned {
+        scene: u64,
+        tuned: Box<Tuned>,
+    },
+    /// What a camera is worth, and how many are known, of how many.
+    Ranked {
+        scene: u64,
+        camera: Box<CameraWorth>,
+        known: (usize, usize),
+    },
+    /// A study is done, or its time is over with so many measurements left.
     Studied {
         scene: u64,
         left: usize,
@@ -242,6 +260,9 @@ impl Message {
             | Self::MemoryMapped { scene, .. }
             | Self::Swept { scene, .. }
             | Self::Stressed { scene, .. }
+            | Self::Tried { scene, .. }
+            | Self::Tuned { scene, .. }
+            | Self::Ranked { scene, .. }
             | Self::Studied { scene, .. }
             | Self::PicturesOpened { scene, .. }
             | Self::SizesMeasured { scene, .. }

@@ -32,7 +32,7 @@ impl DockView {
     pub(crate) fn area(self) -> Option<Area> {
         match self {
             Self::Source => Some(Area::Source),
-            Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => None,
+            Self::Live | Self::Compare | Self::Tradeoff | Self::Stability | Self::Tuning => None,
             Self::Thresholds | Self::Report | Self::View | Self::Color | Self::Edits => Some(Area::Side),
             _ => Some(Area::Lower),
         }
@@ -41,7 +41,9 @@ impl DockView {
     /// The view beside which it opens.
     pub(crate) fn neighbor(self) -> Self {
         match self {
-            Self::Source | Self::Live | Self::Compare | Self::Tradeoff | Self::Stability => Self::Live,
+            Self::Source | Self::Live | Self::Compare | Self::Tradeoff | Self::Stability | Self::Tuning => {
+                Self::Live
+            }
             Self::Thresholds | Self::Report | Self::View | Self::Color | Self::Edits => Self::Thresholds,
             _ => Self::Pixel,
         }

@@ -34,7 +34,7 @@ pub(crate) enum WorkKind {
     /// What edits leave of the samples.
     EditSamples,
     Export,
-    /// A sweep or a stress test.
+    /// A sweep, a stress test, tuning, or the ranking of cameras.
     Study,
 }
 

@@ -1,11 +1,15 @@
 //! Edits in the window: what is selected and deleted is shown, taken back and saved, with the bytes that lists give elsewhere.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use crate::app::model::Command;
 use crate::app::model::command::{Combine, EditCommand, ViewCommand};
+use crate::app::model::picture::LiveKey;
 use crate::app::model::purpose::Purpose;
+use crate::app::model::{Command, Same, count};
+use crate::app::rooms::report::ui::figures;
 use crate::app::tests::{OverlookApp, ready, settle, wait};
+use crate::app::work::worker::Wanted;
 use crate::pruned_store;
 use crate::ways_out;
 use overlook_engine::capture;
@@ -79,6 +83,12 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     delete(&mut app, Region::ConfirmedByFewerThan(1));
     edit(&mut app, EditCommand::LeaveOut(vec![1]));
     assert!(app.state.unsaved_work().is_some_and(|work| work.contains("3 edits")));
+    let edited = app.state.edited().unwrap();
+    assert_eq!(edited.counts.iter().sum::<i64>(), edited.deleted as i64);
+    assert!(edited.counts.len() == 3 && edited.counts[2] > 0, "{:?}", edited.counts);
+    let figure = &figures(&app.state)[0];
+    assert_eq!(figure.value, count(edited.before - edited.deleted));
+    assert!(figure.note.ends_with(", with 3 edits"), "{}", figure.note);
     app.take_path(Purpose::SaveEdits, list.clone());
     app.take_path(Purpose::Share(&ways_out::store::STORE), store.clone());
     settle(&mut app);
@@ -244,4 +254,22 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
     let capture = capture::open(&small_capture(), &settings.capture).unwrap();
     pruned_store::prune_into_store(&capture, &settings, &edits, &beside, &Job::new()).unwrap();
     assert!(std::fs::read(&store).unwrap() == std::fs::read(&beside).unwrap());
+}
+
+#[test]
+fn what_is_selected_shows_in_a_coarse_picture_first_however_long_that_takes() {
+    let mut app = ready(2, 2);
+    let center = surface_point(&app);
+    app.apply(Command::Edit(EditCommand::Select(Region::Sphere { center, radius: 1e6 })));
+    wait(&mut app, "the selection", |app| app.state.edited_now().is_some());
+    let first = app.workers.live.asked().unwrap();
+    let shows_marks = first.samples == Same(app.state.edited_now().unwrap().shown.clone());
+    assert!(first.quality.is_some() && shows_marks, "it is asked at once");
+    std::thread::sleep(Duration::from_millis(150));
+    assert!(LiveKey::changes_in(&app.state).is_none(), "the view rests");
+    assert!(first.is_of_use(&app.state), "it is not stopped before it is shown");
+    settle(&mut app);
+    assert!(!first.is_of_use(&app.state));
+    let shown = &app.state.doc.live_shown.as_ref().unwrap().key;
+    assert!(shown.quality.is_none() && shown.samples == first.samples);
 }

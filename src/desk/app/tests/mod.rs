@@ -8,6 +8,7 @@ mod paths;
 mod session;
 mod sharing;
 mod stopping;
+mod studying;
 mod telling;
 mod undoing;
 mod values;

@@ -36,7 +36,7 @@ fn says(text: &str, mut contents: impl FnMut(&mut egui::Ui)) -> bool {
     harness.query_all_by_label_contains(text).next().is_some()
 }
 
-fn view_says(state: &State, view: DockView, text: &str) -> bool {
+pub(super) fn view_says(state: &State, view: DockView, text: &str) -> bool {
     says(text, |ui| view_ui(ui, view, state, &mut Vec::new()))
 }
 

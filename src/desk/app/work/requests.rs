@@ -6,11 +6,13 @@ use std::sync::Arc;
 use crate::app::model::{Message, OpenScene};
 use crate::app::rooms::charts::state::{Study, StudyChoice};
 use overlook_engine::demo::DemoSpec;
+use overlook_engine::edits::EditList;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::settings::{CaptureSettings, Settings};
 use overlook_lab::stress::StressPoint;
 use overlook_lab::sweep::Point;
+use overlook_lab::tune::CameraWorth;
 
 /// What to open.
 #[derive(Clone, Debug)]
@@ -52,8 +54,12 @@ pub(crate) struct StudyRequest {
     pub settings: Settings,
     /// What is measured, and for how long.
     pub choice: StudyChoice,
-    /// What is known of the sweep already.
+    /// What is cut by hand before cameras are ranked.
+    pub edits: EditList,
+    /// What is known of the sweep or of tuning already.
     pub known: Vec<Point>,
     /// What is known of the stress test already.
     pub known_stress: Vec<StressPoint>,
+    /// The cameras that are ranked already.
+    pub ranked: Vec<CameraWorth>,
 }

@@ -187,7 +187,8 @@ impl Workers {
             readings: Slot::start(Kind::CompareReadings, Queue, outbox, move |request, _| {
                 Ok(comparing.install(|| readings::answer(request)))
             })?,
-            edits: Slot::start(Kind::EditSamples, Never, outbox, move |key, job| {
+            // Of selections that follow a drag, every second is shown.
+            edits: Slot::start(Kind::EditSamples, Alternate, outbox, move |key, job| {
                 editing.install(|| editor.answer(key, job))
             })?,
             study: Worker::start(Kind::Study, Always, outbox, move |request, job| {

@@ -10,7 +10,11 @@ use super::placed_points::{Origin, points_of};
 use super::point_tree::{Point, PointTree};
 use crate::edits::seen::ImageMarks;
 use crate::error::Result;
+use crate::job::Job;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};
+
+/// Points that are grown from between two looks at whether the work is cancelled.
+const CHECKED: usize = 256;
 
 /// The marks of a region, grown by some footprints (`grows`) or shrunk. `inside` are the marks of the region as it is. All points
 /// that it grows from, or shrinks by, are held in memory.
@@ -20,10 +24,12 @@ pub(super) fn grown(
     inside: &[ImageMarks],
     footprints: f64,
     grows: bool,
+    job: &Job,
 ) -> Result<Vec<ImageMarks>> {
     let origin = Origin::of(outline);
     let is_inside = |image: usize, index: usize| inside[image].as_ref().is_some_and(|marks| marks[index]);
     let read = |index: usize| -> Result<(Arc<SampleImage>, Vec<Point>)> {
+        job.check()?;
         let image = images.get(index)?;
         let camera = &outline.cameras[image.camera as usize];
         let points = points_of(&image, index, camera, origin, footprints);
@@ -56,7 +62,10 @@ pub(super) fn grown(
             .map(|(_, tree)| tree)
             .collect();
         let mut marks: Box<[bool]> = (0..image.len()).map(|sample| is_inside(index, sample)).collect();
-        for point in &points {
+        for (nth, point) in points.iter().enumerate() {
+            if nth % CHECKED == 0 {
+                job.check()?;
+            }
             if marks[point.index as usize] == grows {
                 continue;
             }

@@ -18,6 +18,7 @@ use super::region::Region;
 use super::region_test::{RegionContext, RegionTest};
 use super::seen::{Evidence, ImageMarks};
 use crate::error::{Error, Result};
+use crate::job::Job;
 use crate::plural::counted;
 use crate::samples::{ImageBuffer, SampleSet, SampleVotes};
 use grown::grown;
@@ -37,13 +38,14 @@ impl SampleMarks {
     /// named in errors.
     ///
     /// # Errors
-    /// `Invalid` where a region names a frame that is not there, or asks for normals that are not there; `Io` as [`ImageBuffer::get`].
+    /// `Invalid` where a region names a frame that is not there, or asks for normals that are not there; `Io` as [`ImageBuffer::get`]; `Cancelled`.
     pub(super) fn of<'a>(
         images: &ImageBuffer,
         outline: &SampleSet,
         regions: impl Iterator<Item = &'a Region>,
         votes: Option<&SampleVotes>,
         place: &str,
+        job: &Job,
     ) -> Result<Self> {
         let mut asked = Vec::new();
         regions.for_each(|region| region.note_those_that_ask_others(&mut asked));
@@ -52,7 +54,8 @@ impl SampleMarks {
             marks.images = vec![Vec::new(); images.len()];
         }
         for region in asked {
-            let found = marks.found(region, images, outline, votes, place)?;
+            job.check()?;
+            let found = marks.found(region, images, outline, votes, place, job)?;
             marks.images.iter_mut().zip(found).for_each(|(of_image, found)| of_image.push(found));
             marks.regions.push(region.clone());
         }
@@ -67,13 +70,14 @@ impl SampleMarks {
         outline: &SampleSet,
         votes: Option<&SampleVotes>,
         place: &str,
+        job: &Job,
     ) -> Result<Vec<ImageMarks>> {
         let nothing = || vec![None; images.len()];
         match region {
             Region::Pixels { frame: Some(number), .. } | Region::View { frame: Some(number), .. } => {
                 let frame = frame_at(outline, *number, place)?;
                 let seen = SeenSurface::of(region, &outline.cameras);
-                seen.map_or_else(|| Ok(nothing()), |seen| seen.marks(images, outline, frame))
+                seen.map_or_else(|| Ok(nothing()), |seen| seen.marks(images, outline, frame, job))
             }
             Region::SameSurface { seed, frame, footprints, angle, radius } => {
                 let rule = SurfaceRule {
@@ -83,11 +87,11 @@ impl SampleMarks {
                     least_cosine: angle.to_radians().cos() as f32,
                     radius: *radius,
                 };
-                rule.marks(images, outline)
+                rule.marks(images, outline, job)
             }
             Region::Grow { region: part, footprints } | Region::Shrink { region: part, footprints } => {
-                let inside = self.inside(part, images, outline, votes)?;
-                grown(images, outline, &inside, *footprints, matches!(region, Region::Grow { .. }))
+                let inside = self.inside(part, images, outline, votes, job)?;
+                grown(images, outline, &inside, *footprints, matches!(region, Region::Grow { .. }), job)
             }
             _ => Ok(nothing()),
         }
@@ -100,8 +104,10 @@ impl SampleMarks {
         images: &ImageBuffer,
         outline: &SampleSet,
         votes: Option<&SampleVotes>,
+        job: &Job,
     ) -> Result<Vec<ImageMarks>> {
         let of_image = |index: usize| {
+            job.check()?;
             let facts = images.facts_of(index);
             let camera = &outline.cameras[facts.camera as usize];
             let context = RegionContext { camera, channels: &outline.values, marked: &self.regions };

@@ -12,6 +12,7 @@ use super::point_tree::{Point, PointTree};
 use crate::alignment::eigen;
 use crate::edits::seen::ImageMarks;
 use crate::error::Result;
+use crate::job::Job;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};
 
 /// Around an edge, points are off their plane by more than this share of their variance.
@@ -25,6 +26,9 @@ const OFF_PLANE: f32 = 0.5;
 
 /// Pixels that are seen at a slant reach at most this many times as far.
 const MOST_STRETCHED: f32 = 8.0;
+
+/// Steps between two looks at whether the work is cancelled.
+const CHECKED: usize = 1024;
 
 /// What is asked for.
 pub(super) struct SurfaceRule {
@@ -62,7 +66,12 @@ struct Flood<'a> {
 
 impl SurfaceRule {
     /// Marks the samples of the surface. The same samples give the same marks, whatever the number of threads.
-    pub(super) fn marks(&self, images: &ImageBuffer, outline: &SampleSet) -> Result<Vec<ImageMarks>> {
+    pub(super) fn marks(
+        &self,
+        images: &ImageBuffer,
+        outline: &SampleSet,
+        job: &Job,
+    ) -> Result<Vec<ImageMarks>> {
         // From the first sample, so that coordinates are the most exact around it.
         let origin = Origin(self.seed_in_world);
         let shown: Vec<usize> =
@@ -70,6 +79,7 @@ impl SurfaceRule {
         let found: Vec<ImagePoints> = shown
             .par_iter()
             .map(|&index| {
+                job.check()?;
                 let image = images.get(index)?;
                 let camera = &outline.cameras[image.camera as usize];
                 let mut points = points_of(&image, index, camera, origin, self.footprints);
@@ -97,9 +107,10 @@ impl SurfaceRule {
             eyes[index] = Vec3::from(origin.to_point(eye));
         }
         let tree = PointTree::new(found.iter().flat_map(|(points, _)| points).copied().collect());
+        job.check()?;
         let mut flood = Flood::new(&tree, &eyes);
         flood.take_normals(&shown, &found);
-        flood.run(self.least_cosine);
+        flood.run(self.least_cosine, job)?;
         let mut marks = vec![None; images.len()];
         for (point, _) in tree.points().iter().zip(&flood.is_reached).filter(|(_, is_reached)| **is_reached) {
             let image = point.image as usize;
@@ -160,11 +171,16 @@ impl<'a> Flood<'a> {
         }
     }
 
-    fn run(&mut self, least_cosine: f32) {
-        let Some(first) = self.first() else { return };
+    fn run(&mut self, least_cosine: f32, job: &Job) -> Result<()> {
+        let Some(first) = self.first() else { return Ok(()) };
         self.reach(first);
         let (mut next, mut near) = (vec![first], Vec::new());
+        let mut steps = 0_usize;
         while let Some(place) = next.pop() {
+            steps += 1;
+            if steps.is_multiple_of(CHECKED) {
+                job.check()?;
+            }
             let Facing::Normal(normal) = self.facing_of(place) else { continue };
             let here = self.tree.points()[place];
             near.clear();
@@ -199,6 +215,7 @@ impl<'a> Flood<'a> {
                 }
             }
         }
+        Ok(())
     }
 
     /// The nearest sample that reaches the seed and lies on a plane, or else on an edge.

@@ -18,6 +18,7 @@ use crate::edits::region::Region;
 use crate::edits::seen::{ImageMarks, PixelRays, Seen};
 use crate::edits::tile::Tile;
 use crate::error::Result;
+use crate::job::Job;
 use crate::samples::{ImageBuffer, SampleImage, SampleSet};
 
 /// No sample of the picture's own camera. No inverse depth has these bits.
@@ -75,6 +76,7 @@ impl<'a> SeenSurface<'a> {
         images: &ImageBuffer,
         outline: &SampleSet,
         frame: usize,
+        job: &Job,
     ) -> Result<Vec<ImageMarks>> {
         let pixels = self.columns.len() * self.rows.len();
         let part = DepthPart {
@@ -84,6 +86,7 @@ impl<'a> SeenSurface<'a> {
         let shown: Vec<usize> =
             (0..images.len()).filter(|index| images.facts_of(*index).span.contains(frame)).collect();
         shown.par_iter().try_for_each(|&index| -> Result<()> {
+            job.check()?;
             let image = images.get(index)?;
             self.paint(&image, &outline.cameras[image.camera as usize], &part);
             Ok(())
@@ -92,6 +95,7 @@ impl<'a> SeenSurface<'a> {
         let found: Vec<ImageMarks> = shown
             .par_iter()
             .map(|&index| {
+                job.check()?;
                 let image = images.get(index)?;
                 Ok(self.marked(&image, &outline.cameras[image.camera as usize], &part))
             })

@@ -69,27 +69,42 @@ impl Coverage {
         order
     }
 
-    /// Drops each view whose absence leaves the others at the goal; `views` must reach it together. The view with the smallest weight
-    /// of points that it alone shows is tried first.
-    fn without_needless(&self, mut views: Vec<usize>, goal: u64) -> Vec<usize> {
+    /// For each view the weight of the points that it alone shows.
+    pub(super) fn alone(&self) -> Vec<u64> {
+        let views: Vec<usize> = (0..self.shown.len()).collect();
+        let shown_by = self.shown_by(&views);
+        views.into_iter().map(|view| self.alone_of(view, &shown_by)).collect()
+    }
+
+    /// How many of these views show each point.
+    fn shown_by(&self, views: &[usize]) -> Vec<Vec<u32>> {
         let mut shown_by: Vec<Vec<u32>> = self.weights.iter().map(|weights| vec![0; weights.len()]).collect();
         for of in views.iter().flat_map(|view| &self.shown[*view]) {
             common_bits(&of.bits, &of.bits).for_each(|nth| shown_by[of.seen][nth] += 1);
         }
-        let alone = |view: usize, shown_by: &[Vec<u32>]| -> u64 {
-            let of = |of: &ShownOf| -> u64 {
-                let points = common_bits(&of.bits, &of.bits).filter(|nth| shown_by[of.seen][*nth] == 1);
-                points.map(|nth| self.weights[of.seen][nth]).sum()
-            };
-            self.shown[view].iter().map(of).sum()
+        shown_by
+    }
+
+    /// The weight of the points that a view shows and that are shown by one view.
+    fn alone_of(&self, view: usize, shown_by: &[Vec<u32>]) -> u64 {
+        let of = |of: &ShownOf| -> u64 {
+            let points = common_bits(&of.bits, &of.bits).filter(|nth| shown_by[of.seen][*nth] == 1);
+            points.map(|nth| self.weights[of.seen][nth]).sum()
         };
+        self.shown[view].iter().map(of).sum()
+    }
+
+    /// Drops each view whose absence leaves the others at the goal; `views` must reach it together. The view with the smallest weight
+    /// of points that it alone shows is tried first.
+    fn without_needless(&self, mut views: Vec<usize>, goal: u64) -> Vec<usize> {
+        let mut shown_by = self.shown_by(&views);
         let all = shown_by.iter().flatten().zip(self.weights.iter().flatten());
         let mut sum: u64 = all.filter(|(views, _)| **views > 0).map(|(_, weight)| weight).sum();
         let mut least_first: Vec<(u64, usize)> =
-            views.iter().map(|view| (alone(*view, &shown_by), *view)).collect();
+            views.iter().map(|view| (self.alone_of(*view, &shown_by), *view)).collect();
         least_first.sort_unstable();
         for (_, view) in least_first {
-            let lost = alone(view, &shown_by);
+            let lost = self.alone_of(view, &shown_by);
             if sum - lost >= goal {
                 sum -= lost;
                 for of in &self.shown[view] {
@@ -146,6 +161,7 @@ mod tests {
         assert_eq!(views(&found), (vec![1, 0], 2));
         assert_eq!(found.0.iter().map(|addition| addition.added).sum::<u64>(), all.total);
         assert!(found.0[0].added > found.0[1].added);
+        assert_eq!(all.alone(), [WEIGHT, WEIGHT, 0, 0], "the other points are shown by several");
         assert_eq!(views(&all.order(all.total / 2)).1, 1, "as many as are asked for, and then the others");
         assert_eq!(views(&all.order(all.total / 2)).0.len(), 2);
     }

@@ -113,13 +113,7 @@ pub fn choose_views(
     // All views together corrected the rig; fewer views must not correct it again.
     let settings = Settings { align: AlignSettings::OFF, ..settings.clone() };
     let capture = aligned.capture;
-    let frames: Vec<usize> = truth::evenly_spaced(capture.frame_count(), FRAMES).collect();
-    job.start("Looking at views", capture.cameras.len() * (frames.len() + 1));
-    let seen = seen_points(&capture, &frames, job)?;
-    let shown = shown_by_each(&capture, &seen, job)?;
-    let counts: Vec<usize> = seen.iter().map(|seen| seen.points.len()).collect();
-    drop(seen);
-    let coverage = Coverage::new(shown, &counts);
+    let (coverage, points) = coverage(&capture, job)?;
     let (order, count) = coverage.order((shown_at_least * coverage.total as f64).ceil() as u64);
     let needed: Vec<usize> = order[..count].iter().map(|addition| addition.view).collect();
     let mut chosen = ChosenViews {
@@ -127,7 +121,7 @@ pub fn choose_views(
         needed: count,
         of: capture.cameras.len(),
         shown_at_least,
-        points: counts.iter().sum(),
+        points,
         left_out: Vec::new(),
         accuracy: Vec::new(),
         words: Vec::new(),
@@ -140,6 +134,26 @@ pub fn choose_views(
     job.set_context("");
     chosen.words = words(&chosen);
     Ok(chosen)
+}
+
+/// What the views of a capture show, and the number of surface points that this was measured at.
+fn coverage(capture: &Capture, job: &Job) -> Result<(Coverage, usize)> {
+    let frames: Vec<usize> = truth::evenly_spaced(capture.frame_count(), FRAMES).collect();
+    job.start("Looking at views", capture.cameras.len() * (frames.len() + 1));
+    let seen = seen_points(capture, &frames, job)?;
+    let shown = shown_by_each(capture, &seen, job)?;
+    let counts: Vec<usize> = seen.iter().map(|seen| seen.points.len()).collect();
+    Ok((Coverage::new(shown, &counts), counts.iter().sum()))
+}
+
+/// For each view the share of all seen surfaces that no other view shows, 0 to 1.
+///
+/// # Errors
+/// Those of loading frames, and `Cancelled`.
+pub(super) fn shown_alone(capture: &Capture, job: &Job) -> Result<Vec<f64>> {
+    let coverage = coverage(capture, job)?.0;
+    let total = coverage.total.max(1) as f64;
+    Ok(coverage.alone().into_iter().map(|weight| weight as f64 / total).collect())
 }
 
 fn added_views(capture: &Capture, order: &[Addition], total: u64) -> Vec<AddedView> {

@@ -2,7 +2,8 @@
 
 use crate::app::control::OverlookApp;
 use crate::app::model;
-use crate::app::model::command::ChartCommand;
+use crate::app::model::Command;
+use crate::app::model::command::{ChartCommand, WindowCommand};
 use crate::app::model::window::NoticeKind;
 use crate::app::rooms::charts::sheet;
 use crate::app::rooms::charts::state::{Study, StudyQuestion, to_measure};
@@ -10,6 +11,7 @@ use crate::app::work::StudyRequest;
 use overlook_engine::settings::Settings;
 use overlook_lab::stress::StressPlan;
 use overlook_lab::sweep::SweepPlan;
+use overlook_lab::tune::TunePlan;
 
 /// Changes of settings that a message lists one by one.
 const CHANGES: usize = 5;
@@ -35,6 +37,7 @@ impl OverlookApp {
             ChartCommand::Toggle(study, series) => charts.toggle(study, series),
             ChartCommand::DialScale(scale) => charts.dial_scale = scale,
             ChartCommand::Copy(study) => self.copy_chart(study),
+            ChartCommand::CloseRanking => charts.hides_ranking = true,
         }
     }
 
@@ -72,6 +75,11 @@ impl OverlookApp {
                 let plan = StressPlan { done: charts.known_stress(), ..choice.stress_plan(settings) };
                 plan.open(capture, &truth)
             }
+            Study::Tuning => {
+                let plan = TunePlan { done: charts.tuning.clone(), ..choice.tune_plan(settings) };
+                plan.open()
+            }
+            Study::Ranking => capture.cameras.len(),
         };
         let groups = study.groups(settings, capture);
         self.state.doc.charts.question = Some(StudyQuestion { study, groups, measurements });
@@ -80,22 +88,39 @@ impl OverlookApp {
     /// Measures what is chosen with the settings on the sliders; goes on from what is known.
     fn study(&mut self, study: Study) {
         let Some(scene) = self.state.doc.scene.clone() else { return };
+        if matches!(study, Study::Tuning | Study::Ranking) {
+            // What it finds is no point of a chart that is looked for by itself.
+            self.apply(Command::Window(WindowCommand::OpenView(study.view())));
+        }
+        self.state.doc.charts.hides_ranking &= study != Study::Ranking;
+        if let Err(error) = to_measure(&scene) {
+            return self.state.warn_of_scene("Nothing to measure", error.to_string());
+        }
         if self.state.doc.charts.studying {
-            let text = "A sweep or a stress test is under way; let it finish, or stop it (Esc) first.";
+            let text = "Another measurement is under way; let it finish, or stop it (Esc) first.";
             self.state.warn_of_scene("Already measuring", text);
             return;
         }
         let settings = self.state.settings.clone();
+        let edits = self.state.doc.edits.list.clone();
         let charts = &mut self.state.doc.charts;
+        if study == Study::Ranking {
+            charts.rank_with(&edits);
+        }
         if !charts.begin(study, &settings) {
+            if study == Study::Ranking {
+                return;
+            }
             let text =
                 "Everything that is chosen is measured around these settings; choose more, or change one.";
             self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
             return;
         }
-        let (known, known_stress) = (charts.sweep.clone(), charts.known_stress());
+        let known = if study == Study::Tuning { charts.tuning.clone() } else { charts.sweep.clone() };
+        let (known_stress, ranked) = (charts.known_stress(), charts.ranking.clone());
         let choice = charts.choice(study).clone();
-        self.workers.study.submit(StudyRequest { scene, study, settings, choice, known, known_stress });
+        let request = StudyRequest { scene, study, settings, choice, edits, known, known_stress, ranked };
+        self.workers.study.submit(request);
     }
 
     /// Applies the settings of a chart's point, and lists what changes.
@@ -112,7 +137,7 @@ impl OverlookApp {
         self.state.notify(NoticeKind::Done, "Settings applied", text);
     }
 
-    /// Takes in that a sweep or a stress test is done, or that its time is over with so many measurements left.
+    /// Takes in that a study is done, or that its time is over with so many measurements left.
     pub(crate) fn studied(&mut self, left: usize) {
         if left == 0 {
             self.state.doc.charts.complete();
@@ -123,7 +148,7 @@ impl OverlookApp {
         }
     }
 
-    /// Reports how far a stopped sweep or stress test came.
+    /// Reports how far a stopped study came.
     pub(crate) fn notify_stopped_study(&mut self) {
         if let Some((title, text)) = self.state.doc.charts.stopped() {
             self.state.notify(NoticeKind::Done, title, text);

@@ -1,4 +1,4 @@
-//! What accuracy costs: sweeps and stress tests as charts.
+//! What accuracy costs: sweeps and stress tests as charts, tuning, and what each camera is worth.
 
 mod control;
 pub(crate) mod state;
@@ -19,6 +19,7 @@ pub(crate) fn sheet(study: Study, state: &State) -> Option<Chart> {
     match study {
         Study::Sweep => sheet_of_sweep(scene, &state.doc.charts),
         Study::Stress => sheet_of_stress_test(scene, &state.doc.charts),
+        Study::Tuning | Study::Ranking => None,
     }
 }
 

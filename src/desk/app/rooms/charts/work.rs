@@ -17,6 +17,7 @@ use overlook_lab::metrics;
 use overlook_lab::stress::{self, StressPoint};
 use overlook_lab::sweep::{self, Point};
 use overlook_lab::truth::views_as_taken;
+use overlook_lab::tune::{self, RankPlan, TunePlan};
 
 /// Vantages that are compared: enough for a figure in passing, few enough to take seconds.
 const VIEWS: usize = 3;
@@ -102,7 +103,7 @@ fn psnr_at(
 
 /// Measures, and sends every point as it comes.
 pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
-    let StudyRequest { scene, study, settings, choice, known, known_stress } = request;
+    let StudyRequest { scene, study, settings, choice, edits, known, known_stress, ranked } = request;
     let (capture, truth) = to_measure(&scene)?;
     let left = match study {
         Study::Sweep => {
@@ -124,6 +125,27 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
             };
             stress::run(capture, &plan, &truth, job, tell)?.left
         }
+        Study::Tuning => {
+            let mut plan = TunePlan { done: known, ..choice.tune_plan(&settings) };
+            let (first, of) = (plan.done.len(), plan.done.len() + plan.open());
+            let mut count = first;
+            let tuned = tune::run(capture, &plan, &truth, job, |point| {
+                count += 1;
+                let (point, known) = (Box::new(point.clone()), (count, of.max(count)));
+                outbox.send(Message::Tried { scene: scene.id, point, known });
+            })?;
+            plan.done.clone_from(&tuned.points);
+            outbox.send(Message::Tuned { scene: scene.id, tuned: Box::new(tuned) });
+            plan.open()
+        }
+        Study::Ranking => {
+            let plan = RankPlan { settings, edits, done: ranked };
+            tune::rank_cameras(capture, &plan, &truth, job, |camera, known| {
+                let camera = Box::new(camera.clone());
+                outbox.send(Message::Ranked { scene: scene.id, camera, known });
+            })?;
+            0
+        }
     };
     Ok(Message::Studied { scene: scene.id, left })
 }
@@ -134,6 +156,7 @@ mod tests {
     use crate::app::model::SceneSource;
     use crate::app::rooms::charts::state::StudyChoice;
     use overlook_engine::demo::{Demo, DemoSpec};
+    use overlook_engine::edits::EditList;
 
     #[test]
     fn with_nothing_pruned_every_pixel_is_the_one_that_was_recorded() {
@@ -161,14 +184,16 @@ mod tests {
             Arc::new(OpenScene::of_capture(SceneSource::Demo("orrery".into()), capture, Vec::new(), 1.0));
         let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
         let outbox = Outbox::new(sender, egui::Context::default());
-        for study in [Study::Sweep, Study::Stress] {
+        for study in [Study::Sweep, Study::Stress, Study::Tuning, Study::Ranking] {
             let request = StudyRequest {
                 scene: scene.clone(),
                 study,
                 settings: settings.clone(),
                 choice: StudyChoice::default(),
+                edits: EditList::default(),
                 known: Vec::new(),
                 known_stress: Vec::new(),
+                ranked: Vec::new(),
             };
             let Err(error) = super::study(request, &outbox, &Job::new()) else { panic!("it was measured") };
             assert!(error.to_string().contains("record a second camera"), "{error}");

@@ -25,6 +25,12 @@ impl State {
         (!parts.is_empty()).then(|| parts.join(", "))
     }
 
+    /// How many edits act, in words: `, with 1 edit`; empty where none does.
+    pub(crate) fn with_edits(&self) -> String {
+        let edits = self.doc.edits.list.edits.iter().filter(|edit| edit.is_on).count();
+        if edits > 0 { format!(", with {}", counted(edits, "edit")) } else { String::new() }
+    }
+
     /// Puts a list from a file in the place of the one that is there, which undo brings back.
     pub(crate) fn take_edits(&mut self, list: EditList) {
         let before = Undoable::Edits(std::mem::replace(&mut self.doc.edits.list, list.clone()));
@@ -68,9 +74,14 @@ impl State {
         self.edited().filter(|_| is_now)
     }
 
-    /// What edits leave of the samples, where the list as it is was applied; `None` where nothing is edited.
-    pub(crate) fn edited_samples(&self) -> Option<&Arc<SampleSet>> {
+    /// What edits leave, where the list as it is was applied; `None` where nothing is edited.
+    pub(crate) fn cut_scene(&self) -> Option<&EditedScene> {
         let (key, _) = self.doc.edits.edited.as_ref().filter(|_| !self.doc.edits.list.is_idle())?;
-        self.edited().filter(|_| key.list == self.doc.edits.list).map(|edited| &edited.samples)
+        self.edited().filter(|_| key.list == self.doc.edits.list)
+    }
+
+    /// The samples of that.
+    pub(crate) fn edited_samples(&self) -> Option<&Arc<SampleSet>> {
+        self.cut_scene().map(|edited| &edited.samples)
     }
 }

@@ -33,6 +33,9 @@ impl Wanted for EditKey {
     }
 }
 
+/// A list, and how many samples it leaves.
+type CutLength = (EditList, u64);
+
 /// What is kept between edits: what was read, asked and cut last.
 #[derive(Default)]
 pub(crate) struct SampleEditor {
@@ -42,6 +45,8 @@ pub(crate) struct SampleEditor {
     votes: Option<(Arc<SampleSet>, Arc<SampleVotes>)>,
     /// What a list leaves of samples.
     cut: Option<(Arc<SampleSet>, EditList, Arc<SampleSet>)>,
+    /// How many samples the beginnings of lists leave.
+    left: Option<(Arc<SampleSet>, Vec<CutLength>)>,
 }
 
 impl SampleEditor {
@@ -61,8 +66,12 @@ impl SampleEditor {
         let asks = list.asks_for_votes() || key.selection.as_ref().is_some_and(Region::asks_for_votes);
         let votes = if asks { self.votes(key, &base, job)? } else { None };
         let (votes, place) = (votes.as_deref(), &key.scene.name);
-        let samples = self.cut(&base, &list, votes, place)?;
+        let samples = self.cut(&base, &list, votes, place, job)?;
+        let is_whole = list.edits.len() == key.list.edits.len();
+        let counts =
+            if is_whole { self.counts(&base, &list, &samples, votes, place, job)? } else { Vec::new() };
         let mut edited = EditedScene {
+            counts,
             before: base.sample_count(),
             deleted: base.sample_count().saturating_sub(samples.sample_count()),
             selected: 0,
@@ -75,17 +84,14 @@ impl SampleEditor {
             let mark = Tokens::of(true).mark;
             let color =
                 [mark.r(), mark.g(), mark.b()].map(|channel| linear_from_srgb(f32::from(channel) / 255.0));
-            job.check()?;
-            let (tinted, count) = selected(&base, region, color, votes, place)?;
+            let (tinted, count) = selected(&base, region, color, votes, place, job)?;
             if list.is_idle() {
                 (edited.shown, edited.selected) = (Arc::new(tinted), count);
             } else {
-                job.check()?;
-                edited.shown = Arc::new(edit_tinted(&tinted, &base, &list, votes, place)?);
-                job.check()?;
+                edited.shown = Arc::new(edit_tinted(&tinted, &base, &list, votes, place, job)?);
                 let mut without = list;
                 without.edits.push(Edit::new("", Action::Delete, region.clone()));
-                let (rest, _) = edit_samples(&base, &without, votes, place)?;
+                let (rest, _) = edit_samples(&base, &without, votes, place, job)?;
                 edited.selected = edited.samples.sample_count().saturating_sub(rest.sample_count());
             }
             job.check()?;
@@ -118,12 +124,42 @@ impl SampleEditor {
         Ok(Some(votes))
     }
 
+    /// How many samples each edit takes from those before it; `cut` is what all of them leave. What a list began with stays known, so that
+    /// one more edit costs nothing.
+    fn counts(
+        &mut self,
+        base: &Arc<SampleSet>,
+        list: &EditList,
+        cut: &SampleSet,
+        votes: Option<&SampleVotes>,
+        place: &str,
+        job: &Job,
+    ) -> Result<Vec<i64>> {
+        let known = self.left.take().filter(|(of, _)| Arc::ptr_eq(of, base)).map(|(_, known)| known);
+        let known = known.unwrap_or_default();
+        let mut left: Vec<CutLength> = Vec::new();
+        for count in 0..=list.edits.len() {
+            let first = EditList { edits: list.edits[..count].to_vec() };
+            let samples = match known.iter().find(|(of, _)| *of == first) {
+                _ if count == list.edits.len() => cut.sample_count(),
+                _ if first.is_idle() => base.sample_count(),
+                Some((_, samples)) => *samples,
+                None => edit_samples(base, &first, votes, place, job)?.0.sample_count(),
+            };
+            left.push((first, samples));
+        }
+        let counts = left.windows(2).map(|pair| pair[0].1 as i64 - pair[1].1 as i64).collect();
+        self.left = Some((base.clone(), left));
+        Ok(counts)
+    }
+
     fn cut(
         &mut self,
         base: &Arc<SampleSet>,
         list: &EditList,
         votes: Option<&SampleVotes>,
         place: &str,
+        job: &Job,
     ) -> Result<Arc<SampleSet>> {
         if list.is_idle() {
             return Ok(base.clone());
@@ -132,7 +168,7 @@ impl SampleEditor {
         {
             return Ok(cut.clone());
         }
-        let cut = Arc::new(edit_samples(base, list, votes, place)?.0);
+        let cut = Arc::new(edit_samples(base, list, votes, place, job)?.0);
         self.cut = Some((base.clone(), list.clone(), cut.clone()));
         Ok(cut)
     }

@@ -294,12 +294,19 @@ fn frame_facts_ui(ui: &mut Ui, state: &State) {
     let Some(inspected) = state.doc.inspected.as_ref().filter(|_| state.inspection_here().is_some()) else {
         return;
     };
-    let samples = inspected.inspection.samples.sample_count();
+    let edited = state.edited_samples().filter(|edited| edited.frame_numbers.len() == state.frame_count());
+    let samples = match edited {
+        Some(edited) => edited.images_at(state.timeline.frame).map(|image| image.len() as u64).sum(),
+        None => inspected.inspection.samples.sample_count(),
+    };
     let pixels: u64 = inspected.inspection.cameras.iter().map(|camera| camera.verdict.len() as u64).sum();
     let mut facts =
         format!("This frame: {} kept of {}", model::count(samples), model::count_of(pixels, "pixel"));
     if !inspected.with_scan {
         facts.push_str(" (static parts not known yet)");
+    }
+    if edited.is_some() {
+        facts.push_str(&state.with_edits());
     }
     ui.add_space(space::SMALL);
     weak(ui, facts).on_hover_text(

@@ -48,9 +48,9 @@ pub(crate) struct ThumbnailRequest {
 
 impl Wanted for ThumbnailRequest {
     fn wanted(state: &State) -> Option<Self> {
-        let guides = state.live.show_cameras && state.live.guides.pictures && state.shows(DockView::Live);
-        // In motion they would be made anew for every frame, for nobody to look at.
-        let is_seen = state.shows(DockView::Cameras) || (guides && !state.timeline.playing);
+        // *Go to…* shows them as well. In motion they would be made anew for every frame, for nobody to look at.
+        let rests = !state.timeline.playing && state.doc.changed_at.is_none();
+        let is_seen = state.shows(DockView::Cameras) || (state.shows(DockView::Live) && rests);
         let inspection = state.inspection_here().filter(|_| is_seen)?.clone();
         Some(Self { scene: state.doc.scene.as_ref()?.id, inspection: Same(inspection) })
     }

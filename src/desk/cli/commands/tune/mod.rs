@@ -85,12 +85,12 @@ impl TuneArgs {
         let budget = self.max_bytes.map(TuneBudget::Bytes).or(self.max_ms.map(TuneBudget::Milliseconds));
         let done = journal.as_ref().map(output::Journal::points).unwrap_or_default();
         let plan = TunePlan {
-            settings,
             budget,
             whole: Some(opened),
             at_most_db: self.at_most,
             drop_cameras: !self.all_cameras,
             done,
+            ..TunePlan::of(settings)
         };
         let tuned =
             output::recorded(journal.as_ref(), |job, keep| tune::run(&capture, &plan, &truth, job, keep))?;

@@ -1,6 +1,7 @@
 //! How cameras are drawn: the view of all of them, and their list.
 
 pub(crate) mod overlay;
+mod ranking;
 
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
@@ -44,11 +45,35 @@ fn height_of_all(area: Vec2, cameras: usize, ratio: f32, gap: Vec2) -> f32 {
 
 pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.doc.scene else { return };
+<<<<<<< HEAD
     if !state.has_source() {
         let text = "This store does not say why its pixels went (store.verdicts); there are no source pictures in it.";
+=======
+    if !state.has_capture() {
+        let text = "A store keeps only what was not redundant; there are no source pictures in it. Open its capture to see them, and to \
+                    rank the cameras.";
+>>>>>>> helper_a
         empty_ui(ui, ICON_PHOTO_LIBRARY, "No pictures to show", text, |_| {});
         return;
     }
+    if ranking::is_shown(state) {
+        let area = ui.available_rect_before_wrap();
+        let width = if area.width() < 2.0 * ranking::WIDTH { area.width() } else { ranking::WIDTH };
+        let (left, right) = area.split_left_right_at_x(area.right() - width);
+        ui.scope_builder(UiBuilder::new().max_rect(right).id_salt("ranking"), |ui| {
+            ranking::ranking_ui(ui, state, scene, commands);
+        });
+        if left.width() > 0.0 {
+            let left = left.with_max_x(left.right() - space::MEDIUM);
+            let thumbnails = UiBuilder::new().max_rect(left).id_salt("thumbnails");
+            ui.scope_builder(thumbnails, |ui| thumbnails_ui(ui, state, scene, commands));
+        }
+        return;
+    }
+    thumbnails_ui(ui, state, scene, commands);
+}
+
+fn thumbnails_ui(ui: &mut Ui, state: &State, scene: &OpenScene, commands: &mut Commands) {
     // Thumbnails keep the height of the view; where there is room for several rows they wrap, and are as large as lets all be seen.
     let area = ui.available_size();
     let order = order(state, scene);

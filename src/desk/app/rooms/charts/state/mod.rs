@@ -1,23 +1,26 @@
-//! What is known of sweeps and stress tests: their points, and what is to be measured.
+//! What is known of sweeps, stress tests, tuning and the ranking of cameras: what was measured, and what is to be.
 
 pub(crate) mod axis;
+mod choice;
 
-use std::collections::{BTreeSet, HashSet};
-use std::time::{Duration, Instant};
+use std::collections::HashSet;
+use std::time::Instant;
 
 use crate::app::model::scene::{Content, OpenScene, method_of};
 use crate::app::rooms::charts::state::axis::{
     Quantity, ShownAxis, kernel_name, place, series_name, settings_alone,
 };
+pub(crate) use choice::{Study, StudyChoice};
 use overlook_engine::capture::Capture;
+use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::plural::counted;
-use overlook_engine::settings::{Kernel, Settings};
+use overlook_engine::settings::Settings;
 use overlook_lab::chart::Scale;
-use overlook_lab::stress::{Disturbance, StressPlan, StressPoint, distinct};
-use overlook_lab::sweep::{self, Planned, Point, Series, SweepPlan};
-use overlook_lab::trial::Fineness;
+use overlook_lab::stress::{Disturbance, StressPoint};
+use overlook_lab::sweep::{self, Point};
 use overlook_lab::truth::Truth;
+use overlook_lab::tune::{CameraWorth, Tuned};
 
 /// The question what to measure.
 pub(crate) struct StudyQuestion {
@@ -59,19 +62,29 @@ pub(crate) struct Charts {
     pub dial_scale: Scale,
     /// Series that are left out of the charts, by their names.
     hidden: HashSet<(Study, String)>,
+    /// Points of tuning, as they came.
+    pub tuning: Vec<Point>,
+    /// The settings that were found, and the points that they were found by.
+    pub tuned: Option<Box<Tuned>>,
+    /// What each camera is worth, the most needless first.
+    pub ranking: Vec<CameraWorth>,
+    /// The edits that the ranked cameras were left by.
+    pub ranked_edits: EditList,
+    /// Whether the ranking is closed.
+    pub hides_ranking: bool,
     /// The question what to measure, while it is open.
     pub question: Option<StudyQuestion>,
-    /// What is chosen to be measured of a sweep and of a stress test.
-    choices: [StudyChoice; 2],
+    /// What is chosen to be measured of each study.
+    choices: [StudyChoice; Study::COUNT],
     /// When the point before came, or measuring began.
     last_point: Option<Instant>,
-    /// What the last point of a sweep and of a stress test took, seconds.
-    seconds_each: [Option<f64>; 2],
+    /// What the last point of each study took, seconds.
+    seconds_each: [Option<f64>; Study::COUNT],
     pub studying: bool,
     /// What is being measured, or was last.
     study: Option<Study>,
-    /// The last sweep and the last stress test.
-    runs: [Option<StudyRun>; 2],
+    /// The last study of each kind.
+    runs: [Option<StudyRun>; Study::COUNT],
     /// Whether the points of the stress test are those of the one before, until the first new one takes their place.
     is_of_previous_test: bool,
 }
@@ -85,13 +98,18 @@ impl Default for Charts {
             axes: [Quantity::Bytes, Quantity::Psnr].map(ShownAxis::of),
             dial_scale: Scale::Linear,
             hidden: HashSet::new(),
+            tuning: Vec::new(),
+            tuned: None,
+            ranking: Vec::new(),
+            ranked_edits: EditList::default(),
+            hides_ranking: false,
             question: None,
-            choices: [StudyChoice::quick(), StudyChoice::quick()],
+            choices: std::array::from_fn(|_| StudyChoice::quick()),
             last_point: None,
-            seconds_each: [None; 2],
+            seconds_each: [None; Study::COUNT],
             studying: false,
             study: None,
-            runs: [None, None],
+            runs: std::array::from_fn(|_| None),
             is_of_previous_test: false,
         }
     }
@@ -109,6 +127,19 @@ impl Charts {
         self.sweep.push(point);
         self.note(Study::Sweep, known);
         self.mark_front();
+    }
+
+    /// Adds a point of tuning; `known` are known then, of how many.
+    pub(crate) fn add_tuning(&mut self, point: Point, known: (usize, usize)) {
+        self.tuning.push(point);
+        self.note(Study::Tuning, known);
+    }
+
+    /// Adds a camera to the ranking; `known` are known then, of how many.
+    pub(crate) fn add_ranked(&mut self, camera: CameraWorth, known: (usize, usize)) {
+        self.ranking.push(camera);
+        CameraWorth::sort(&mut self.ranking);
+        self.note(Study::Ranking, known);
     }
 
     /// Adds a point of the stress test; `known` are known then, of how many.
@@ -201,6 +232,11 @@ impl Charts {
             return false;
         }
         if !is_same {
+            match study {
+                Study::Ranking => self.ranking.clear(),
+                Study::Tuning => self.tuned = None,
+                Study::Sweep | Study::Stress => {}
+            }
             let is_other = run.as_ref().is_none_or(|run| run.settings != *settings);
             self.is_of_previous_test |= study == Study::Stress && is_other;
             *run = Some(StudyRun { settings: settings.clone(), choice, known: (0, 0), is_complete: false });
@@ -236,10 +272,23 @@ impl Charts {
         self.run(study).is_some_and(|run| run.known.0 > 0 && !run.is_complete && run.is_of(settings, choice))
     }
 
-    /// Note for a stress test that was made with other settings than `now`; `None` for a current one.
-    pub(crate) fn stale_stress_note(&self, now: &Settings) -> Option<&'static str> {
-        let made = &self.runs[Study::Stress as usize].as_ref()?.settings;
-        if self.is_of_previous_test && !self.stress.is_empty() {
+    /// The settings that a study was begun with.
+    pub(crate) fn made_with(&self, study: Study) -> Option<&Settings> {
+        self.run(study).map(|run| &run.settings)
+    }
+
+    /// Takes back that cameras were ranked where that was with other edits than these.
+    pub(crate) fn rank_with(&mut self, edits: &EditList) {
+        if self.ranked_edits != *edits {
+            self.ranked_edits = edits.clone();
+            self.runs[Study::Ranking as usize] = None;
+        }
+    }
+
+    /// Note for a study that was made with other settings than `now`; `None` for a current one.
+    pub(crate) fn stale_note(&self, study: Study, now: &Settings) -> Option<&'static str> {
+        let made = self.made_with(study)?;
+        if study == Study::Stress && self.is_of_previous_test && !self.stress.is_empty() {
             Some("Of the test before; the first new point takes their place.")
         } else if method_of(made) != method_of(now) {
             Some("Made with other settings; run it again to see what these give.")
@@ -255,7 +304,9 @@ impl Charts {
         let study = self.study.filter(|_| !self.studying)?;
         let text = match self.run(study)?.known {
             (0, _) => "Nothing was measured yet.".to_owned(),
-            (known, of) => format!("After {known} of {}; Resume measures the rest.", counted(of, "point")),
+            (known, of) => {
+                format!("After {known} of {}; Resume measures the rest.", counted(of, study.unit()))
+            }
         };
         Some((format!("{} stopped", study.name()), text))
     }
@@ -263,127 +314,6 @@ impl Charts {
     /// The point that shows what these settings give.
     pub(crate) fn of(&self, settings: &Settings) -> Option<&Point> {
         self.sweep.iter().find(|point| settings_alone(point) == Some(settings))
-    }
-}
-
-/// Frames that a stress test in the window looks at: enough for what moves to move.
-const FRAMES: usize = 8;
-
-/// What is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Study {
-    /// Accuracy against cost, over many settings.
-    Sweep,
-    /// Accuracy against the size of a disturbance.
-    Stress,
-}
-
-impl Study {
-    pub(crate) const ALL: [Self; 2] = [Self::Sweep, Self::Stress];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Sweep => "Sweep",
-            Self::Stress => "Stress test",
-        }
-    }
-
-    /// What its chart is called in commands.
-    pub(crate) fn chart_name(self) -> &'static str {
-        match self {
-            Self::Sweep => "sweep chart",
-            Self::Stress => "stress test chart",
-        }
-    }
-
-    /// Name of the file of its chart.
-    pub(crate) fn chart_file(self) -> &'static str {
-        match self {
-            Self::Sweep => "sweep.pdf",
-            Self::Stress => "stress.pdf",
-        }
-    }
-
-    /// Why no chart of it can be copied or saved.
-    pub(crate) fn no_chart(self) -> String {
-        format!("There is no {} yet, or all of its series are left out.", self.chart_name())
-    }
-}
-
-/// What is chosen.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct StudyChoice {
-    /// What is not measured: settings by their paths; methods, kernels and disturbances by their names.
-    pub left_out: BTreeSet<String>,
-    pub fineness: Fineness,
-    /// `None` until everything is measured.
-    pub budget: Option<Duration>,
-}
-
-impl StudyChoice {
-    /// The ends and the middle of each setting, with the kernel of the settings alone, for some minutes.
-    pub(crate) fn quick() -> Self {
-        let left_out = Kernel::ALL.iter().map(|kernel| kernel.name().to_owned()).collect();
-        Self { left_out, fineness: Fineness::Medium, budget: Some(Duration::from_mins(3)) }
-    }
-
-    /// Whether the same is measured, for however long.
-    pub(crate) fn measures_as(&self, other: &Self) -> bool {
-        (&self.left_out, self.fineness) == (&other.left_out, other.fineness)
-    }
-
-    fn takes(&self, name: &str) -> bool {
-        !self.left_out.contains(name)
-    }
-
-    /// What is measured of a sweep.
-    pub(crate) fn sweep_plan(&self, settings: &Settings, capture: &Capture) -> SweepPlan {
-        let mut plan = SweepPlan::standard(settings, capture);
-        plan.choose(self.fineness, |planned| {
-            let kernel = planned.trial.settings.render.kernel;
-            let has_kernel = !planned.series.is_rival() && planned.series != Series::Paper;
-            planned.dials().all(|(path, _)| self.takes(path))
-                && self.takes(planned.series.name())
-                && (!has_kernel || kernel == settings.render.kernel || self.takes(kernel.name()))
-        });
-        plan.budget = self.budget;
-        plan
-    }
-
-    /// What is measured of a stress test.
-    pub(crate) fn stress_plan(&self, settings: &Settings) -> StressPlan {
-        let mut plan = StressPlan::standard(settings).with_rivals(settings);
-        plan.disturbances.retain(|disturbance| self.takes(disturbance.name()));
-        plan.methods.retain(|method| self.takes(&method.name));
-        StressPlan { frames: Some(FRAMES), fineness: self.fineness, budget: self.budget, ..plan }
-    }
-}
-
-impl Study {
-    /// What there is to choose: the title of each group, and the names in it.
-    pub(crate) fn groups(self, settings: &Settings, capture: &Capture) -> Vec<(&'static str, Vec<String>)> {
-        let owned = |names: &mut dyn Iterator<Item = &str>| names.map(str::to_owned).collect();
-        match self {
-            Self::Sweep => {
-                let plan = SweepPlan::standard(settings, capture);
-                let paths = distinct(plan.trials.iter().flat_map(Planned::dials).map(|(path, _)| path));
-                let methods = distinct(plan.trials.iter().map(|planned| planned.series));
-                let others = Kernel::ALL.iter().filter(|kernel| **kernel != settings.render.kernel);
-                let is_method = |of: &Series| !matches!(of, Series::Reference | Series::Variation);
-                vec![
-                    ("Settings", owned(&mut paths.into_iter())),
-                    ("Methods", owned(&mut methods.into_iter().filter(is_method).map(Series::name))),
-                    ("Other kernels", owned(&mut others.map(|kernel| kernel.name()))),
-                ]
-            }
-            Self::Stress => {
-                let plan = StressPlan::standard(settings).with_rivals(settings);
-                let changes = |of: &&Disturbance| of.lacks(capture).is_none();
-                let disturbances = plan.disturbances.iter().filter(changes).map(|of| of.name());
-                let methods = plan.methods.iter().map(|method| method.name.as_str());
-                vec![("Disturbances", owned(&mut { disturbances })), ("Methods", owned(&mut { methods }))]
-            }
-        }
     }
 }
 
@@ -412,8 +342,9 @@ pub(crate) fn to_measure(scene: &OpenScene) -> Result<(&Capture, Truth)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use overlook_engine::demo::{Demo, DemoSpec};
-    use overlook_lab::trial::{Trial, TrialResult};
+    use overlook_engine::settings::Kernel;
+    use overlook_lab::sweep::Series;
+    use overlook_lab::trial::{Fineness, Trial, TrialResult};
 
     fn point(label: &str, psnr: f64, bytes: u64, seconds: f64) -> Point {
         let trial = Trial::new(label, Settings::default());
@@ -491,15 +422,15 @@ mod tests {
     fn a_stress_test_of_other_settings_says_so() {
         let (settings, mut other) = (Settings::default(), Settings::default());
         let mut charts = Charts::default();
-        assert_eq!(charts.stale_stress_note(&settings), None);
+        assert_eq!(charts.stale_note(Study::Stress, &settings), None);
         charts.begin(Study::Stress, &settings);
-        assert_eq!(charts.stale_stress_note(&settings), None);
+        assert_eq!(charts.stale_note(Study::Stress, &settings), None);
         other.render.fill = overlook_engine::settings::Fill::None;
-        assert_eq!(charts.stale_stress_note(&other), None, "studies fill all holes alike");
+        assert_eq!(charts.stale_note(Study::Stress, &other), None, "studies fill all holes alike");
         other.render.kernel = Kernel::Point;
-        assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("kernel")));
+        assert!(charts.stale_note(Study::Stress, &other).is_some_and(|words| words.contains("kernel")));
         other.pruning.depth_tolerance = 2.0;
-        assert!(charts.stale_stress_note(&other).is_some_and(|words| words.contains("settings")));
+        assert!(charts.stale_note(Study::Stress, &other).is_some_and(|words| words.contains("settings")));
     }
 
     #[test]
@@ -511,30 +442,5 @@ mod tests {
             charts.add(Point::new(&trial, series, &TrialResult::default()), (1, 4));
         }
         assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
-    }
-
-    #[test]
-    fn what_is_left_out_is_not_planned_and_everything_is_the_whole_plan() {
-        let settings = Settings::default();
-        let spec = DemoSpec::new("orrery").cameras(2).frames(2).size((16, 12));
-        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        let standard = SweepPlan::standard(&settings, &capture);
-        let everything = StudyChoice::default();
-        assert_eq!(everything.sweep_plan(&settings, &capture).trials, standard.trials);
-        for group in [Study::Sweep, Study::Stress].iter().flat_map(|study| study.groups(&settings, &capture))
-        {
-            for name in group.1 {
-                let choice = StudyChoice { left_out: [name.clone()].into(), ..StudyChoice::default() };
-                let sweep = choice.sweep_plan(&settings, &capture).trials.len();
-                let stress = choice.stress_plan(&settings);
-                let whole = StressPlan::standard(&settings).with_rivals(&settings);
-                let fewer = (stress.disturbances.len(), stress.methods.len())
-                    < (whole.disturbances.len(), whole.methods.len());
-                assert!(sweep < standard.trials.len() || fewer, "{name}");
-            }
-        }
-        let nothing = Study::Sweep.groups(&settings, &capture).into_iter().flat_map(|(_, names)| names);
-        let choice = StudyChoice { left_out: nothing.collect(), ..StudyChoice::default() };
-        assert_eq!(choice.sweep_plan(&settings, &capture).trials[0].series, Series::Reference);
     }
 }

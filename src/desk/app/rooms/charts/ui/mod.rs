@@ -1,6 +1,7 @@
 //! How charts are drawn, and the question of what is to be measured.
 
 pub(crate) mod parts;
+pub(crate) mod tuning;
 
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -217,7 +218,7 @@ pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) 
         }
         study_button(ui, state, Study::Stress, commands);
     });
-    if let Some(words) = charts.stale_stress_note(&state.settings) {
+    if let Some(words) = charts.stale_note(Study::Stress, &state.settings) {
         ui.label(RichText::new(words).color(Tokens::in_ui(ui).warning));
     }
     stability_plot_ui(ui, chosen, charts, commands);
@@ -337,11 +338,12 @@ pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Com
             (Some(StudyChoice::default()), "Full"),
             (None, "Choose…"),
         ];
+        let help = if study == Study::Tuning { TUNING_AMOUNTS } else { AMOUNTS };
         let id = ui.scope_id().with("chooses");
         let is_known = amounts.iter().any(|(known, _)| known.as_ref() == Some(&choice));
         let chooses = !is_known || ui.data(|data| data.get_temp(id).unwrap_or(false));
         let now = if chooses { 2 } else { usize::from(choice == StudyChoice::default()) };
-        let segments = [0, 1, 2].map(|at| (at, amounts[at].1, AMOUNTS[at]));
+        let segments = [0, 1, 2].map(|at| (at, amounts[at].1, help[at]));
         if let Some(at) = segments_ui(ui, "Amount", now, segments) {
             ui.data_mut(|data| data.insert_temp(id, at == 2));
             choice = amounts[at].0.clone().unwrap_or(choice.clone());
@@ -383,6 +385,13 @@ const AMOUNTS: [&str; 3] = [
     "The ends and the middle of everything, your settings and other methods first; stops after 3 minutes.",
     "All values of everything, until all is measured.",
     "What is measured, how finely and for how long.",
+];
+
+/// What each amount of tuning is.
+const TUNING_AMOUNTS: [&str; 3] = [
+    "The ends and the middle of each setting for 3 minutes; then what was found is combined.",
+    "All values of each setting, however long that takes.",
+    "Which settings are varied, how finely and for how long.",
 ];
 
 fn how_ui(ui: &mut Ui, choice: &mut StudyChoice) {

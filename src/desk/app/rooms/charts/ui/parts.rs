@@ -144,20 +144,20 @@ pub(crate) fn nearest(plot_ui: &PlotUi<'_>, places: impl Iterator<Item = [f64; 2
 pub(crate) fn study_button(ui: &mut Ui, state: &State, study: Study, commands: &mut Commands) {
     let charts = &state.doc.charts;
     let ask = Command::Chart(ChartCommand::Ask(Some(study)));
-    let (name, help) = match study {
-        Study::Sweep => ("Run a sweep…", "Measures around the settings on the sliders."),
-        Study::Stress => ("Run a stress test…", "Disturbs the capture more and more."),
+    let measure = Command::Chart(ChartCommand::Study(study));
+    let (name, help, ask) = match study {
+        Study::Sweep => ("Run a sweep…", "Measures around the settings on the sliders.", ask),
+        Study::Stress => ("Run a stress test…", "Disturbs the capture more and more.", ask),
+        Study::Tuning => ("Tune settings…", "Starts from the settings on the sliders.", ask),
+        Study::Ranking => (
+            "Rank cameras",
+            "Measures what would be lost without each, to find a needless one.",
+            measure.clone(),
+        ),
     };
     let mut buttons = vec![(name, help, ask)];
     if charts.goes_on(study, &state.settings) {
-        buttons.insert(
-            0,
-            (
-                "Resume",
-                "Measures what is left, as long as was chosen.",
-                Command::Chart(ChartCommand::Study(study)),
-            ),
-        );
+        buttons.insert(0, ("Resume", "Measures what is left, as long as was chosen.", measure));
     }
     for (name, help, command) in buttons {
         let button = egui::Button::new(name).wrap_mode(TextWrapMode::Extend);
@@ -187,8 +187,16 @@ pub(crate) fn no_points_ui(
     commands: &mut Commands,
 ) {
     if state.doc.charts.under_way() == Some(study) {
-        let text = "Points appear one by one, as they are measured.";
-        empty_ui(ui, icon, "Measuring the first setting…", text, |ui| {
+        let (title, text) = match study {
+            Study::Sweep | Study::Stress => {
+                ("Measuring the first setting…", "Points appear one by one, as they are measured.")
+            }
+            Study::Tuning => ("Trying settings…", "What was found appears once enough of them are measured."),
+            Study::Ranking => {
+                ("Measuring the first camera…", "Cameras appear one by one, as they are measured.")
+            }
+        };
+        empty_ui(ui, icon, title, text, |ui| {
             ui.add(egui::Spinner::new().size(22.0));
         });
         return;
@@ -196,6 +204,8 @@ pub(crate) fn no_points_ui(
     let title = match study {
         Study::Sweep => "No sweep yet",
         Study::Stress => "No stress test yet",
+        Study::Tuning => "Not tuned yet",
+        Study::Ranking => "Not ranked yet",
     };
     empty_ui(ui, icon, title, text, |ui| study_button(ui, state, study, commands));
 }

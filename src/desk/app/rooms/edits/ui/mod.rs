@@ -173,6 +173,12 @@ fn list_ui(ui: &mut Ui, state: &State, sent: &mut Vec<EditCommand>, commands: &m
                 change(None, &|edits| drop(edits.remove(index)));
             }
         });
+        let count = state.cut_scene().and_then(|cut| cut.counts.get(index)).filter(|_| edit.is_on);
+        if let Some(count) = count {
+            let verb = if *count < 0 { "brought back" } else { "deleted" };
+            // Below its name, which keeps the width.
+            note(ui, format!("      {} {verb}", model::count_of(count.unsigned_abs(), "sample")));
+        }
     }
     sent.extend(selects.map(|region| EditCommand::Reshape(Some(region))));
     if let Some(trouble) = &edits.trouble {

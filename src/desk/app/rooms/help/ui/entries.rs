@@ -86,7 +86,7 @@ pub(crate) fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command); 52] {
+fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command); 54] {
     let tool =
         |tool: EditTool| Command::Edit(EditCommand::Tools(EditTools { tool: Some(tool), ..edits.tools }));
     [
@@ -131,6 +131,8 @@ fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command);
         ("Recompute the whole capture", "", Command::Recompute),
         ("Run a sweep", "", Command::Chart(ChartCommand::Ask(Some(Study::Sweep)))),
         ("Run a stress test", "", Command::Chart(ChartCommand::Ask(Some(Study::Stress)))),
+        ("Tune settings", "", Command::Chart(ChartCommand::Ask(Some(Study::Tuning)))),
+        ("Rank cameras: find a needless camera", "", Command::Chart(ChartCommand::Study(Study::Ranking))),
         ("Frame times: write to the log and reset", "", Command::LogFrameTimes),
         ("Cancel", "Esc", Command::Cancel),
         ("Light theme", "", Command::Window(WindowCommand::Dark(false))),
@@ -266,7 +268,7 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
     entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
     let copy = Command::Share(ShareCommand::CopyFigure(None));
     entries.push(("Copy figure to the clipboard".to_owned(), "Ctrl+Shift+F", copy));
-    for study in Study::ALL {
+    for study in Study::CHARTS {
         let [copy, save] = chart_commands(study);
         entries.push((format!("Copy the {}", study.chart_name()), "", copy));
         entries.push((format!("Save the {}", study.chart_name()), "", save));

@@ -30,7 +30,6 @@ use overlook_engine::capture::Intrinsics;
 use overlook_engine::capture::sighting::tolerances::MARKED_SURFACE;
 use overlook_engine::capture::sighting::{Sighting, compare};
 use overlook_engine::edits::{Region, Viewpoint};
-use overlook_engine::plural::counted;
 use overlook_engine::render::NO_IMAGE;
 
 /// Radians of orbit per point that the pointer is dragged.
@@ -328,9 +327,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
             let reused = if stats.background_reused { ", static part cached" } else { "" };
             let took = model::significant(stats.milliseconds);
             help = format!("{width}×{height} in {took} ms by the {}{reused}. {help}", shown.picture.painter);
-            let edits = state.doc.edits.list.edits.iter().filter(|edit| edit.is_on).count();
-            let with = if edits > 0 { format!(", with {}", counted(edits, "edit")) } else { String::new() };
-            format!("{} drawn{with}", model::count_of(stats.samples, "sample"))
+            format!("{} drawn{}", model::count_of(stats.samples, "sample"), state.with_edits())
         }
         None if state.is_frame_failed() => FAILED_FRAME.to_owned(),
         None => "Rendering the first picture.".to_owned(),

@@ -68,9 +68,12 @@ impl Wanted for LiveKey {
         })
     }
 
-    /// Neither is a whole picture once the view moves on, nor a coarse one once it rests.
+    /// Neither is a whole picture once the view moves on, nor a coarse one once it rests, unless it is the first that shows other samples:
+    /// that in full takes much longer.
     fn is_of_use(&self, state: &State) -> bool {
-        self.quality.is_some() == Self::changes_in(state).is_some()
+        let shown = state.doc.live_shown.as_ref();
+        let shows_more = shown.is_none_or(|shown| shown.key.samples != self.samples);
+        (self.quality.is_some() && shows_more) || self.quality.is_some() == Self::changes_in(state).is_some()
     }
 
     /// How long until the view rests. While a threshold is dragged the next picture follows at once, too.

@@ -325,7 +325,12 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
     let of_frame = |value: String| [value, THIS_FRAME.to_owned()];
     let bytes_here = state.inspection_here().filter(|_| here.is_some()).map(|it| it.samples.bytes());
     let account = report.map(Report::pixel_account).or(here);
-    let before_edits = if state.doc.edits.list.is_idle() { "" } else { ", before edits" };
+    let cut = state.cut_scene();
+    let edits = match cut {
+        Some(_) => state.with_edits(),
+        None if state.doc.edits.list.is_idle() => String::new(),
+        None => ", before edits".to_owned(),
+    };
     let figure = |name, value_and_note: Option<[String; 2]>, help: &str| {
         let [value, note] = value_and_note.unwrap_or_else(|| ["…".to_owned(), String::new()]);
         let first =
@@ -342,7 +347,8 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
             "Samples kept",
             report
                 .map(|r| {
-                    [model::count(r.samples_kept), format!("of {}{before_edits}", model::count(r.samples_in))]
+                    let kept = cut.map_or(r.samples_kept, |cut| cut.before.saturating_sub(cut.deleted));
+                    [model::count(kept), format!("of {}{edits}", model::count(r.samples_in))]
                 })
                 .or(here.map(|account| of_frame(model::count(account.kept)))),
             "The samples kept, of all pixels of all frames of all cameras.",
@@ -358,7 +364,7 @@ pub(crate) fn figures(state: &State) -> Vec<KeyFigure> {
         figure(
             "Memory",
             report
-                .map(|r| [model::bytes(r.bytes_memory), memory_note(r)])
+                .map(|r| [model::bytes(cut.map_or(r.bytes_memory, |cut| cut.bytes)), memory_note(r)])
                 .or(bytes_here.map(|bytes| of_frame(model::bytes(bytes)))),
             "The kept samples in memory, of all pixels as 8-bit color and 32-bit depth. A sample in memory has normals and its place as well, so that \
              few dropped pixels can make it more; a saved store is smaller.",
