@@ -64,12 +64,8 @@ pub fn edit_store(
         Some(capture) => Some(votes_on(&images, &set.cameras, capture, job)?),
         None => None,
     };
-<<<<<<< HEAD
-    let left = edits::cut(&images, &set, edits, votes.as_ref(), &place)?;
-    edits::refuse_nothing(set.sample_count() > 0, &left.images, &place)?;
-=======
     let left = edits::cut(&images, &set, edits, votes.as_ref(), &place, job)?;
->>>>>>> helper_a
+    edits::refuse_nothing(set.sample_count() > 0, &left.images, &place)?;
     if left.is_changed {
         let cut = CutByHand {
             edits: edits.to_toml(),

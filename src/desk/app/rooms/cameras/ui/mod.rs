@@ -45,14 +45,9 @@ fn height_of_all(area: Vec2, cameras: usize, ratio: f32, gap: Vec2) -> f32 {
 
 pub(crate) fn cameras_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = &state.doc.scene else { return };
-<<<<<<< HEAD
     if !state.has_source() {
-        let text = "This store does not say why its pixels went (store.verdicts); there are no source pictures in it.";
-=======
-    if !state.has_capture() {
-        let text = "A store keeps only what was not redundant; there are no source pictures in it. Open its capture to see them, and to \
-                    rank the cameras.";
->>>>>>> helper_a
+        let text = "This store does not say why its pixels went (store.verdicts); there are no source pictures in it. Open its capture to see \
+                    them, and to rank the cameras.";
         empty_ui(ui, ICON_PHOTO_LIBRARY, "No pictures to show", text, |_| {});
         return;
     }
