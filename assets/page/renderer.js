@@ -3,7 +3,7 @@
 import { axis, place, subtract, turnedBack } from "./math.js";
 import { SAMPLE_BYTES } from "./decode.js";
 import {
-  BLEND_FRAGMENT, BLEND_VERTEX, CARRY, FILL, NEAREST_FRAGMENT, PULL_LEVEL, PULL_PICTURE, PUSH_LEVEL, SHOW, SURFACE_FRAGMENT, SURFACE_VERTEX,
+  BLEND_FRAGMENT, BLEND_VERTEX, CARRY, FILL, PULL_LEVEL, PULL_PICTURE, PUSH_LEVEL, SHOW, SURFACE_FRAGMENT, SURFACE_VERTEX,
   TURN_OVER, WHOLE_VERTEX,
 } from "./shaders.js";
 
@@ -39,7 +39,6 @@ export class Renderer {
     this.ranges = [];
     this.programs = {
       surface: new Stage(gl, SURFACE_VERTEX, SURFACE_FRAGMENT),
-      nearest: new Stage(gl, SURFACE_VERTEX, NEAREST_FRAGMENT),
       blend: new Stage(gl, BLEND_VERTEX, BLEND_FRAGMENT),
       pullPicture: new Stage(gl, WHOLE_VERTEX, PULL_PICTURE),
       pullLevel: new Stage(gl, WHOLE_VERTEX, PULL_LEVEL),
@@ -126,19 +125,15 @@ export class Renderer {
 
   /** Depths and sums of colors; over those of a picture `before`, if one is given. */
   drawPicture(target, alive, pose, lens, before) {
-    if (this.coarser > 0) {
-      this.drawSurface(target.nearest, this.programs.nearest, alive, pose, lens, before?.nearest);
-    } else {
-      this.drawSurface(target.surface, this.programs.surface, alive, pose, lens, before?.surface);
-      this.drawBlend(target, alive, pose, lens, before);
-    }
+    this.drawSurface(target.surface, alive, pose, lens, before?.surface);
+    if (this.coarser === 0) this.drawBlend(target, alive, pose, lens, before);
   }
 
-  /** The nearest depth in each pixel, and by the stage `nearest` the color there; over that of a picture `before`, if one is given. */
-  drawSurface(framebuffer, stage, alive, pose, lens, before) {
+  /** The nearest depth in each pixel and the color there, over those of a picture `before`, if one is given. */
+  drawSurface(framebuffer, alive, pose, lens, before) {
     const gl = this.gl;
     const [width, height] = this.size;
-    const planes = gl.DEPTH_BUFFER_BIT | (stage === this.programs.nearest ? gl.COLOR_BUFFER_BIT : 0);
+    const planes = gl.DEPTH_BUFFER_BIT | gl.COLOR_BUFFER_BIT;
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.viewport(-GUARD, -GUARD, width + 2 * GUARD, height + 2 * GUARD);
     gl.depthMask(true);
@@ -152,7 +147,7 @@ export class Renderer {
     }
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.GREATER);
-    this.drawSamples(stage, alive, pose, lens);
+    this.drawSamples(this.programs.surface, alive, pose, lens);
     gl.disable(gl.DEPTH_TEST);
   }
 
@@ -168,9 +163,6 @@ export class Renderer {
       gl.uniform1f(carry.uniform("surface_ratio"), ratio);
       gl.uniform1f(carry.uniform("unit"), this.unit);
       this.over(target.blended, this.size);
-    } else {
-      gl.clearColor(0, 0, 0, 0);
-      gl.clear(gl.COLOR_BUFFER_BIT);
     }
     gl.viewport(-GUARD, -GUARD, this.size[0] + 2 * GUARD, this.size[1] + 2 * GUARD);
     gl.enable(gl.BLEND);
@@ -315,8 +307,7 @@ export class Renderer {
     [gl.canvas.width, gl.canvas.height] = this.size;
     const picture = () => {
       const [depths, sums] = [this.texture(gl.DEPTH_COMPONENT32F, this.size), this.texture(gl.RGBA16F, this.size)];
-      const [surface, blended, nearest] = [this.framebuffer(null, depths), this.framebuffer(sums, null), this.framebuffer(sums, depths)];
-      return { depths, sums, surface, blended, nearest };
+      return { depths, sums, surface: this.framebuffer(sums, depths), blended: this.framebuffer(sums, null) };
     };
     const level = (size) => {
       const color = this.texture(gl.RGBA16F, size);

@@ -121,13 +121,16 @@ void main() {
 }
 `;
 
-const surface = (hasColor) => `#version 300 es
+/** The depth and, with the least weight, the color of the nearest sample: it is all that is seen where no kernel reaches the surface. */
+export const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 flat in vec2 center;
 flat in vec4 inverse;
 flat in vec4 plane;
 flat in vec2 doubtful_reach;
-${hasColor ? "flat in vec3 color; out vec4 sum;" : ""}
+flat in vec3 color;
+out vec4 sum;
+const float LEAST_WEIGHT = 0.001;
 ${DEPTH_CODE}
 void main() {
   vec2 offset = gl_FragCoord.xy - center;
@@ -136,13 +139,9 @@ void main() {
   if (max(camera.x, camera.y) > doubtful_reach.y && max(pixels.x, pixels.y) > 0.5) discard;
   float deviation = clamp(dot(plane.yz, offset), -plane.w, plane.w);
   gl_FragDepth = code_of(max(plane.x + deviation, 0.0), doubtful_reach.x > 0.5);
-  ${hasColor ? "sum = vec4(color, 1.0);" : ""}
+  sum = vec4(color, 1.0) * LEAST_WEIGHT;
 }
 `;
-
-/** Depth alone; and with the color of the nearest sample, where coarse pictures are not blended. */
-export const SURFACE_FRAGMENT = surface(false);
-export const NEAREST_FRAGMENT = surface(true);
 
 export const BLEND_VERTEX = `#version 300 es
 ${FOOTPRINT}
@@ -228,7 +227,8 @@ void main() {
   float lasting = texelFetch(lasting_depths, at, 0).r;
   float nearest = texelFetch(depths, at, 0).r;
   bool is_shown = lasting == nearest || lasting > 0.0 && inverse_depth_of(lasting) >= inverse_depth_of(nearest) * surface_ratio;
-  sum = is_shown ? texelFetch(lasting_sums, at, 0) : vec4(0.0);
+  if (!is_shown) discard;
+  sum = texelFetch(lasting_sums, at, 0);
 }
 `;
 
