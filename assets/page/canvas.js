@@ -10,11 +10,12 @@ export class Canvas {
     if (!gl) throw new CannotDraw("This browser has no WebGL2, which draws the scene. Another browser, or a newer one, will show it.");
     this.gl = gl;
     this.nothing = gl.createVertexArray();
+    this.compiling = gl.getExtension("KHR_parallel_shader_compile");
   }
 
   /** A program of two texts. */
   stage(vertexText, fragmentText) {
-    return new Stage(this.gl, vertexText, fragmentText);
+    return new Stage(this.gl, vertexText, fragmentText, this.compiling);
   }
 
   /** Draws one triangle over a part of a target: its first column and row, columns and rows; over all of it where none is given. */
@@ -120,8 +121,9 @@ export class Canvas {
 
 /** A program that the driver makes meanwhile; what is wrong with it shows when it is first used. */
 class Stage {
-  constructor(gl, vertexText, fragmentText) {
+  constructor(gl, vertexText, fragmentText, compiling) {
     this.gl = gl;
+    this.compiling = compiling;
     this.linked = gl.createProgram();
     for (const [type, text] of [[gl.VERTEX_SHADER, vertexText], [gl.FRAGMENT_SHADER, fragmentText]]) {
       const shader = gl.createShader(type);
@@ -130,6 +132,13 @@ class Stage {
       gl.attachShader(this.linked, shader);
     }
     gl.linkProgram(this.linked);
+  }
+
+  /** Whether the driver has made the program; what is known of it is then asked for. */
+  isMade() {
+    const { gl, linked, compiling } = this;
+    if (!this.uniforms && (!compiling || gl.isContextLost() || gl.getProgramParameter(linked, compiling.COMPLETION_STATUS_KHR))) this.uniforms = this.checked();
+    return Boolean(this.uniforms);
   }
 
   /** Takes the program into use, with textures for its samplers and numbers for its other uniforms. */

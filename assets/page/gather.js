@@ -9,7 +9,7 @@
 // Sources: Buehler et al., Unstructured Lumigraph Rendering, SIGGRAPH 2001; Merrell et al., Real-Time Visibility-Based Fusion of Depth
 // Maps, ICCV 2007.
 
-import { DEPTH_CODE } from "./shaders.js";
+import { DECODE, DEPTH_CODE } from "./shaders.js";
 
 /** Numbers of a row of `views`, four to a texel. */
 export const VIEW_TEXELS = 10;
@@ -24,12 +24,13 @@ precision highp usampler2D;
 precision highp usampler2DArray;
 `;
 
-const VIEWS = `
+/** Pictures have one or two pixels of the depth buffer along each side of their own. */
+const VIEWS = (subpixels) => `
+const int subpixels = ${subpixels};
 uniform sampler2D views;
 uniform usampler2DArray seen;
 uniform int view_count;
 uniform vec3 first_ray, ray_across, ray_down;
-uniform int subpixels;
 uniform float surface_ratio;
 
 const float USEFUL_RATE = 1.5;
@@ -123,9 +124,9 @@ float depth_at(ivec2 at) {
 `;
 
 /** A pixel of the depth buffer: bits of the inverse depths of the nearer and the farther surface, of the nearer one's share, and which of the 5×5 pixels around show them. */
-export const SILHOUETTE = `${PRECISE}
+export const SILHOUETTE = (subpixels) => `${PRECISE}
 out uvec4 surfaces;
-${VIEWS}
+${VIEWS(subpixels)}
 ${DEPTHS}
 const vec2 OWN_SHARE = vec2(0.15, 1.2);
 const vec2 SUBPIXEL_SHARE = vec2(0.1, 1.6);
@@ -300,13 +301,13 @@ Pixel unpack(uvec4 pixel) {
 }
 `;
 
-export const GATHER = (decode) => `${PRECISE}
+export const GATHER = (subpixels) => `${PRECISE}
 out uvec4 picture;
 uniform usampler2D surfaces;
 uniform sampler2D own;
-${VIEWS}
+${VIEWS(subpixels)}
 ${DEPTHS}
-${decode}
+${DECODE}
 ${PIXEL_CODE}
 const float FULL_COVERAGE = 0.99;
 const float MIN_COVERAGE = 0.25;
@@ -488,6 +489,22 @@ void main() {
       pixel.kind = SHOWN_KIND;
     }
   }
+  picture = pack(pixel);
+}
+`;
+
+/** The same without looking anything up, for coarse pictures of few samples: what the nearest sample shows. */
+export const NEAREST = `${PRECISE}
+out uvec4 picture;
+uniform sampler2D own;
+${DEPTHS}
+${DECODE}
+${PIXEL_CODE}
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float w = depth_at(at);
+  Pixel pixel = Pixel(vec3(0.0), 0.0, -1.0, HOLE_KIND);
+  if (w >= 0.0) pixel = Pixel(decoded(texelFetch(own, at, 0).rgb), 1.0, w, SHOWN_KIND);
   picture = pack(pixel);
 }
 `;

@@ -48,6 +48,8 @@ class Player {
     this.pictures = 0;
     this.isAwake = false;
     this.decoded = new Set();
+    /** What stands for the loading that goes on, if any does. */
+    this.loading = null;
     this.takeAddress();
     this.fillPage();
     const wake = () => this.wake();
@@ -269,7 +271,7 @@ class Player {
     if (moves && passed > 0) this.adapt(passed);
     if (!moves && !isFirst) roundView(this.view);
     const isShown = this.show(moves || isFirst ? this.finest : null);
-    if (moves || isFirst || !isShown && (this.isLoading || this.refining)) {
+    if (moves || isFirst || !isShown && (this.loading || this.refining)) {
       requestAnimationFrame((later) => this.tick(later));
       return;
     }
@@ -314,7 +316,7 @@ class Player {
    */
   show(finest) {
     const isWhole = this.missing().length === 0;
-    if (!this.renderer || !isWhole && !this.isPartTime()) return false;
+    if (!this.renderer || this.renderer.canvas.gl.isContextLost() || !isWhole && !this.isPartTime()) return false;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.max(Math.round(side * ratio), 1));
     const lens = this.view.pictureLens(width, height, finest ?? FINEST);
@@ -378,6 +380,15 @@ class Player {
     return [...this.decoded].some((nth) => chunks[nth].some((image) => this.isAlive(image)));
   }
 
+  /** Forgets all that the device drew with: it has taken it back, as phones do from pages that are not looked at. */
+  lose() {
+    this.renderer = null;
+    this.refining = null;
+    this.drawn = null;
+    this.loading = null;
+    delete root.dataset.loaded;
+  }
+
   // Samples.
 
   /** The chunks that the current frame still needs. */
@@ -402,9 +413,11 @@ function fail(error) {
 function start() {
   const player = new Player(JSON.parse(element("scene").textContent));
   player.canvas.addEventListener("webglcontextlost", (event) => {
+    // Without this the device never gives it back.
     event.preventDefault();
-    fail(new CannotDraw("The graphics driver has lost the picture. Loading the page again shows it."));
+    player.lose();
   });
+  player.canvas.addEventListener("webglcontextrestored", () => load(player).catch(fail));
   window.overlook = player;
   load(player).catch(fail);
 }

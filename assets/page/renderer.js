@@ -2,8 +2,8 @@
 
 import { axis, carried, inPixels } from "./math.js";
 import { SAMPLE_BYTES } from "./decode.js";
-import { SEEN_FRAGMENT, SEEN_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, WHOLE_VERTEX, DECODE } from "./shaders.js";
-import { GATHER, SILHOUETTE } from "./gather.js";
+import { SEEN_FRAGMENT, SEEN_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, WHOLE_VERTEX } from "./shaders.js";
+import { GATHER, NEAREST, SILHOUETTE } from "./gather.js";
 import { FILL, MOST_LEVELS, PULL, ROWS, SHOW } from "./fill.js";
 import { AROUND, CELL_FRAGMENT, CELL_VERTEX, FREE, LINES, MARK, SQUARE, SQUARES } from "./sky.js";
 import { Canvas, CannotDraw } from "./canvas.js";
@@ -18,6 +18,13 @@ const LASTING = 0.25;
 /** Samples, and pixels, that are drawn at a time while somebody may want something else. */
 const [SAMPLES_AT_A_TIME, PIXELS_AT_A_TIME] = [200000, 100000];
 
+/** The programs of all stages, by name: two texts each, or the second one alone where it is drawn over a whole picture. */
+const PROGRAMS = {
+  surface: [SURFACE_VERTEX, SURFACE_FRAGMENT], seen: [SEEN_VERTEX, SEEN_FRAGMENT], cell: [CELL_VERTEX, CELL_FRAGMENT],
+  nearest: NEAREST, silhouette1: SILHOUETTE(1), gather1: GATHER(1), silhouette2: SILHOUETTE(2), gather2: GATHER(2),
+  free: FREE, squares: SQUARES, around: AROUND, lines: LINES, mark: MARK, pull: PULL, fill: FILL, rows: ROWS, show: SHOW,
+};
+
 export class Renderer {
   /** `scene` is the header of the page; `unit` a typical distance in it. */
   constructor(canvas, scene, unit) {
@@ -25,26 +32,30 @@ export class Renderer {
     this.scene = scene;
     this.unit = unit;
     this.ranges = [];
-    const whole = (fragment) => this.canvas.stage(WHOLE_VERTEX, fragment);
-    this.stages = {
-      surface: this.canvas.stage(SURFACE_VERTEX, SURFACE_FRAGMENT),
-      seen: this.canvas.stage(SEEN_VERTEX, SEEN_FRAGMENT),
-      silhouette: whole(SILHOUETTE),
-      gather: whole(GATHER(DECODE)),
-      pull: whole(PULL),
-      fill: whole(FILL),
-      rows: whole(ROWS),
-      show: whole(SHOW),
-    };
-    if (scene.sky) {
-      const sky = { cell: this.canvas.stage(CELL_VERTEX, CELL_FRAGMENT), free: whole(FREE), squares: whole(SQUARES), around: whole(AROUND) };
-      Object.assign(this.stages, sky, { lines: whole(LINES), mark: whole(MARK) });
-    }
+    this.stages = new Map();
+    this.prepare("surface", "nearest", "pull", "fill", "rows", "show");
     this.sky = null;
     this.targets = null;
     this.allocate();
     this.seen = new SeenSamples(this.canvas, scene);
     this.freeSpace = scene.sky ? new FreeSpace(this.canvas, scene, unit) : null;
+  }
+
+  /** A stage by its name. */
+  stage(name) {
+    if (!this.stages.has(name)) this.stages.set(name, this.canvas.stage(...typeof PROGRAMS[name] === "string" ? [WHOLE_VERTEX, PROGRAMS[name]] : PROGRAMS[name]));
+    return this.stages.get(name);
+  }
+
+  /** Has the driver make stages meanwhile. */
+  prepare(...names) {
+    for (const name of names) this.stage(name);
+  }
+
+  /** Waits until they are made: whoever asks for one sooner is held up. */
+  async prepared() {
+    const isMade = (stage) => stage.isMade();
+    while (![...this.stages.values()].every(isMade)) await new Promise((resolve) => { setTimeout(resolve, 20); });
   }
 
   /** Makes room for all samples. */
@@ -108,8 +119,8 @@ export class Renderer {
     this.takeSize(lens, subpixels);
     const { targets } = this;
     const fine = inPixels(lens, subpixels);
-    const picture = { pose, lens, fine, subpixels, coarser };
-    yield* this.seen.bring(alive, pose, this);
+    const picture = { pose, lens, fine, subpixels, coarser, isFinal };
+    if (coarser === 0) yield* this.seen.bring(alive, pose, this);
     if (isStill) {
       const lasts = (range) => range.end - range.start >= scene.frames.length * LASTING;
       const key = [coarser, ...pose, ...lens, ...alive.filter(lasts).map((range) => range.first)].join();
@@ -133,7 +144,7 @@ export class Renderer {
   *findSurface(target, alive, { pose, fine, subpixels, coarser }, before) {
     const { gl } = this.canvas;
     const [width, height] = fine;
-    const stage = this.stages.surface;
+    const stage = this.stage("surface");
     const begin = () => {
       gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
       gl.viewport(-GUARD, -GUARD, width + 2 * GUARD, height + 2 * GUARD);
@@ -179,11 +190,16 @@ export class Renderer {
   }
 
   /** What each pixel shows. */
-  *gather({ pose, lens, fine, subpixels }) {
-    const { silhouette, gather } = this.stages;
+  *gather({ pose, lens, fine, subpixels, coarser }) {
     const { targets, seen } = this;
     const { nearest, surfaces, picture } = targets;
-    const numbers = { ...seen.lines(pose, fine), subpixels, unit: this.unit, surface_ratio: 1 / (1 + this.scene.depth_tolerance / Math.sqrt(fine[2] * fine[3])) };
+    if (coarser > 0) {
+      this.stage("nearest").use({ depths: nearest.depths, own: nearest.own }, { unit: this.unit });
+      this.canvas.over(picture);
+      return;
+    }
+    const [silhouette, gather] = ["silhouette", "gather"].map((name) => this.stage(name + subpixels));
+    const numbers = { ...seen.lines(pose, fine), unit: this.unit, surface_ratio: 1 / (1 + this.scene.depth_tolerance / Math.sqrt(fine[2] * fine[3])) };
     const views = seen.views(pose, fine);
     const textures = { views, seen: seen.layers, depths: nearest.depths };
     yield* this.inBands(surfaces, fine, () => silhouette.use(textures, numbers));
@@ -191,15 +207,15 @@ export class Renderer {
   }
 
   /** Which pixels are holes, and of what kinds, where there is a sky. */
-  *markHoles({ pose, lens }) {
-    const { squares, around, lines, mark } = this.stages;
+  *markHoles({ pose, lens, isFinal }) {
+    const [squares, around, lines, mark] = ["squares", "around", "lines", "mark"].map((name) => this.stage(name));
     const { targets, freeSpace } = this;
     const picture = targets.picture.texture;
     squares.use({ picture });
     this.canvas.over(targets.squares);
     around.use({ squares: targets.squares.texture });
     this.canvas.over(targets.around);
-    const [asked, numbers] = [freeSpace.asked(pose, lens), { asked_count: freeSpace.cameras.length }];
+    const [asked, numbers] = [freeSpace.asked(pose, lens), { asked_count: freeSpace.cameras.length, depth_count: isFinal ? 64 : 16 }];
     const textures = { picture, around: targets.around.texture, asked, free: freeSpace.free };
     yield* this.inBands(targets.lines, lens, () => lines.use(textures, numbers));
     yield* this.inBands(targets.marked, lens, () => mark.use({ ...textures, lines: targets.lines.texture }, numbers));
@@ -207,7 +223,7 @@ export class Renderer {
 
   /** What fills holes. */
   *fill({ lens }) {
-    const { pull, fill, rows } = this.stages;
+    const [pull, fill, rows] = ["pull", "fill", "rows"].map((name) => this.stage(name));
     const { targets } = this;
     const numbers = { has_sky: Boolean(this.sky), footprints: this.scene.depth_tolerance, focal: Math.sqrt(lens[2] * lens[3]), levels: targets.places };
     const marked = this.marked();
@@ -231,7 +247,7 @@ export class Renderer {
     const { targets, canvas } = this;
     canvas.resize(lens);
     const numbers = { has_sky: Boolean(this.sky), ...skyLines(pose, lens) };
-    this.stages.show.use({ marked: this.marked(), fillings: targets.fillings.texture, sums: targets.sums.texture, sky: this.sky }, numbers);
+    this.stage("show").use({ marked: this.marked(), fillings: targets.fillings.texture, sums: targets.sums.texture, sky: this.sky }, numbers);
     canvas.over({ framebuffer: null, size: lens });
     this.shown = { target: this.freeSpace ? targets.marked : targets.picture, size: lens };
   }

@@ -30,9 +30,9 @@ export class SeenSamples {
     const count = Math.min(Math.max(most, 1), scene.cameras.length);
     this.layers = canvas.texture(gl.RG32UI, this.size, [], count);
     this.framebuffers = Array.from({ length: count }, (_, layer) => canvas.framebuffer(this.layers, null, [], layer));
-    this.isEmpty = false;
     this.there = new Map();
     this.cameras = [];
+    this.listed = [];
     this.all = [...new Set(images.map((image) => 4 * image.camera + image.level))].sort((a, b) => a - b);
   }
 
@@ -61,7 +61,7 @@ export class SeenSamples {
     const come = [...wanted.values()].filter((range) => !this.there.has(range.first));
     for (const [ranges, isThere] of [[gone, false], [come, true]]) {
       for (const range of ranges) {
-        const stage = renderer.stages.seen;
+        const stage = renderer.stage("seen");
         stage.use({}, { size: this.size, first: this.originOf(range), is_there: isThere ? 1 : 0 });
         gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffers[cameras.indexOf(range.camera)]);
         gl.viewport(0, 0, ...this.size);
@@ -144,7 +144,7 @@ export class FreeSpace {
     const cameras = nearestFirst(this.scene.cameras, place(pose)).slice(0, this.targets.length);
     const key = [cameras, alive.map((range) => range.first)].join();
     if (key === this.key) return;
-    const { cell, free } = renderer.stages;
+    const [cell, free] = [renderer.stage("cell"), renderer.stage("free")];
     for (const [layer, camera] of cameras.entries()) {
       const lens = this.cellLens(camera);
       const size = [lens[0] + 2 * CELL_BORDER, lens[1] + 2 * CELL_BORDER];

@@ -120,7 +120,7 @@ const RAY_TEST = `
 uniform sampler2D asked;
 uniform int asked_count;
 uniform usampler2DArray free;
-const int DEPTHS = 64;
+uniform int depth_count;
 
 /** Whether a camera saw a point's surroundings free (1), or something before them (2); 0 where it saw nothing. */
 int look(int camera, vec2 at, float w) {
@@ -138,13 +138,13 @@ int look(int camera, vec2 at, float w) {
 
 /** Where the longest hidden stretch of a line of sight ends, and the hidden share; the first is −1 where all is free, −2 where it is not known. */
 vec2 test_line(vec2 at, float near, float far) {
-  float step = (near - far) / float(DEPTHS);
+  float step = (near - far) / float(depth_count);
   int hidden = 0;
   int run = 0;
   int longest = 0;
   int end = 0;
   bool is_free = true;
-  for (int nth = 0; nth < DEPTHS; nth++) {
+  for (int nth = 0; nth < depth_count; nth++) {
     float w = near - step * (float(nth) + 0.5);
     int found = 0;
     for (int camera = 0; camera < asked_count && (found & 1) == 0; camera++) found |= look(camera, at, w);
@@ -157,7 +157,7 @@ vec2 test_line(vec2 at, float near, float far) {
       end = nth + 1;
     }
   }
-  if (hidden > 0) return vec2(near - step * float(end), float(hidden) / float(DEPTHS));
+  if (hidden > 0) return vec2(near - step * float(end), float(hidden) / float(depth_count));
   return vec2(is_free ? -1.0 : -2.0, 0.0);
 }
 `;

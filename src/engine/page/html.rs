@@ -90,7 +90,7 @@ mod tests {
                 .map(|line| line.strip_prefix("export ").unwrap_or(line))
                 .filter_map(|line| words.iter().find_map(|word| line.strip_prefix(word)))
                 // Constants of shaders have a type before their name, and what is taken apart has none.
-                .filter(|rest| !["float ", "int ", "{", "["].iter().any(|start| rest.starts_with(start)))
+                .filter(|rest| !["float ", "int ", "uint ", "vec", "ivec", "{", "["].iter().any(|start| rest.starts_with(start)))
                 .map(|rest| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
                 .collect();
             declared
