@@ -117,9 +117,15 @@ const DEPTHS = `
 uniform sampler2D depths;
 ${DEPTH_CODE}
 /** The inverse depth at a pixel of the depth buffer; negative in holes. Beyond its edge the outermost pixels repeat. */
-float depth_at(ivec2 at) {
+float depth_or_fringe_at(ivec2 at) {
   float code = texelFetch(depths, clamp(at, ivec2(0), textureSize(depths, 0) - 1), 0).r;
   return code > 0.0 ? inverse_depth_of(code) : -1.0;
+}
+
+/** The same, negative in fringes too. */
+float depth_at(ivec2 at) {
+  float code = texelFetch(depths, clamp(at, ivec2(0), textureSize(depths, 0) - 1), 0).r;
+  return code >= LEAST_CORE ? inverse_depth_of(code) : -1.0;
 }
 `;
 
@@ -251,7 +257,8 @@ void main() {
   }
   float own = near_by[SELF];
   tell(own, -1.0, 1.0, SELF, SELF);
-  if (least >= most * surface_ratio && least >= 0.0 || most < 0.0) return;
+  float fringe = own < 0.0 ? depth_or_fringe_at(pixel) : -1.0;
+  if (least >= most * surface_ratio && least >= 0.0 || most < 0.0 && fringe < 0.0) return;
   for (int nth = 0; nth < 25; nth++) {
     ivec2 step = ivec2(nth % 5, nth / 5) - 2;
     if (max(abs(step.x), abs(step.y)) == 2) near_by[nth] = depth_at(pixel + step);
@@ -259,6 +266,8 @@ void main() {
   float near;
   int near_at;
   find_crack(own, near, near_at);
+  // A fringe is voted on like a crack.
+  if (near < 0.0) near = fringe;
   bool is_crack = near >= 0.0;
   float far = own;
   int far_at = SELF;
@@ -502,7 +511,7 @@ ${DECODE}
 ${PIXEL_CODE}
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  float w = depth_at(at);
+  float w = depth_or_fringe_at(at);
   Pixel pixel = Pixel(vec3(0.0), 0.0, -1.0, HOLE_KIND);
   if (w >= 0.0) pixel = Pixel(decoded(texelFetch(own, at, 0).rgb), 1.0, w, SHOWN_KIND);
   picture = pack(pixel);

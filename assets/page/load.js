@@ -36,12 +36,13 @@ export async function load(player) {
     running.delete(nth);
     player.renderer.upload(decoded, chunks[nth], firsts[nth]);
     await took(player, nth);
+    // What finer pictures need is made after the first picture.
+    if (player.pictures > 0) player.renderer?.makeReady();
   }
   decoders.end();
   if (player.loading !== own) return;
   await prepareToDraw(player);
-  player.renderer.prepare("seen", "silhouette2", "gather2", "silhouette1", "gather1", ...player.scene.sky ? ["cell", "free", "squares", "around", "lines", "mark"] : []);
-  await player.renderer.prepared();
+  await player.renderer.makeReady();
   if (player.loading !== own) return;
   player.wake();
   player.loading = null;

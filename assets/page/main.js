@@ -326,10 +326,11 @@ class Player {
     const isSame = (a) => a?.frame === frame && [...pose, ...lens].every((part, nth) => part === [...a.pose, ...a.lens][nth]);
     if (drawn?.isWhole && (drawn.isFinal || !isFinal) && isSame(drawn)) return true;
     const picture = { frame, pose, lens, isWhole, isFinal };
-    if (isFinal) return this.refine(picture, isSame);
+    if (isFinal) return this.renderer.isReady && this.refine(picture, isSame);
     this.refining = null;
     const isStill = this.isPlaying && isSame({ ...drawn, frame });
-    this.renderer.draw(frame, pose, lens, { isStill, coarser: FEWER_SAMPLES.filter((few) => finest < few).length });
+    const coarser = FEWER_SAMPLES.filter((few) => finest < few).length;
+    this.renderer.draw(frame, pose, lens, { isStill, coarser: this.renderer.isReady ? coarser : Math.max(coarser, 1) });
     this.took(picture);
     return isWhole;
   }

@@ -33,9 +33,13 @@ export class Renderer {
     this.unit = unit;
     this.ranges = [];
     this.stages = new Map();
-    this.prepare("surface", "nearest", "pull", "fill", "rows", "show");
+    for (const name of ["surface", "nearest", "pull", "fill", "rows", "show"]) this.stage(name);
+    this.isReady = false;
     this.sky = null;
+    /** Those of pictures in motion and at rest: the picture that is shown stays while another is drawn. */
+    this.targetsOf = { motion: null, rest: null };
     this.targets = null;
+    this.shown = null;
     this.allocate();
     this.seen = new SeenSamples(this.canvas, scene);
     this.freeSpace = scene.sky ? new FreeSpace(this.canvas, scene, unit) : null;
@@ -47,15 +51,14 @@ export class Renderer {
     return this.stages.get(name);
   }
 
-  /** Has the driver make stages meanwhile. */
-  prepare(...names) {
-    for (const name of names) this.stage(name);
-  }
-
-  /** Waits until they are made: whoever asks for one sooner is held up. */
-  async prepared() {
-    const isMade = (stage) => stage.isMade();
-    while (![...this.stages.values()].every(isMade)) await new Promise((resolve) => { setTimeout(resolve, 20); });
+  /** Has the driver make what fine pictures need; whoever draws one sooner is held up until it is there. */
+  makeReady() {
+    const wait = async () => {
+      Object.keys(PROGRAMS).forEach((name) => this.stage(name));
+      while (![...this.stages.values()].every((stage) => stage.isMade())) await new Promise((resolve) => { setTimeout(resolve, 20); });
+      this.isReady = true;
+    };
+    return this.beingMade ??= wait();
   }
 
   /** Makes room for all samples. */
@@ -116,7 +119,7 @@ export class Renderer {
   *steps(frame, pose, lens, { isStill = false, coarser = 0, subpixels = 1, isFinal = false } = {}) {
     const { scene } = this;
     const alive = this.ranges.filter((range) => range.start <= frame && frame < range.end);
-    this.takeSize(lens, subpixels);
+    this.takeSize(lens, subpixels, isFinal);
     const { targets } = this;
     const fine = inPixels(lens, subpixels);
     const picture = { pose, lens, fine, subpixels, coarser, isFinal };
@@ -141,7 +144,7 @@ export class Renderer {
   }
 
   /** The nearest depth in each pixel, and the color and the view there; over those of `before`, if it is given. */
-  *findSurface(target, alive, { pose, fine, subpixels, coarser }, before) {
+  *findSurface(target, alive, { pose, fine, coarser }, before) {
     const { gl } = this.canvas;
     const [width, height] = fine;
     const stage = this.stage("surface");
@@ -151,7 +154,7 @@ export class Renderer {
       gl.enable(gl.DEPTH_TEST);
       gl.depthFunc(gl.GREATER);
       stage.use();
-      stage.numbers({ guard: GUARD, unit: this.unit, pixel_scale: 1 / (1 << coarser), subpixels, size: [width, height] });
+      stage.numbers({ guard: GUARD, unit: this.unit, pixel_scale: 1 / (1 << coarser), size: [width, height] });
     };
     begin();
     if (before) {
@@ -249,7 +252,7 @@ export class Renderer {
     const numbers = { has_sky: Boolean(this.sky), ...skyLines(pose, lens) };
     this.stage("show").use({ marked: this.marked(), fillings: targets.fillings.texture, sums: targets.sums.texture, sky: this.sky }, numbers);
     canvas.over({ framebuffer: null, size: lens });
-    this.shown = { target: this.freeSpace ? targets.marked : targets.picture, size: lens };
+    this.shown = { targets, target: this.freeSpace ? targets.marked : targets.picture, size: lens };
   }
 
   /** Draws over the whole of a target, in bands of rows; `begin` takes a stage into use. */
@@ -270,14 +273,16 @@ export class Renderer {
     return Math.max(this.canvas.floatAt(target, inside, 2), 0);
   }
 
-  /** Makes the targets of a picture of a size. */
-  takeSize([width, height], subpixels) {
+  /** Takes the targets of a picture of a size, and makes them where they had another one. */
+  takeSize([width, height], subpixels, isFinal) {
     const { canvas } = this;
     const { gl } = canvas;
+    const name = isFinal ? "rest" : "motion";
     const key = [width, height, subpixels].join();
+    this.targets = this.targetsOf[name];
     if (this.targets?.key === key) return;
     canvas.forget(this.targets?.made ?? []);
-    this.shown = null;
+    if (this.shown?.targets === this.targets) this.shown = null;
     const made = [];
     const size = [width, height];
     const four = (of) => canvas.target(gl.RGBA32UI, of, made);
@@ -285,8 +290,8 @@ export class Renderer {
     const fine = size.map((side) => side * subpixels);
     const nearest = () => canvas.nearestTarget(fine, made);
     const [places, sizes] = levelPlaces(size);
-    this.targets = {
-      key, made, nearest: nearest(), lasting: nearest(), surfaces: four(fine), picture: four(size), fillings: four(size), sums: four(size),
+    this.targets = this.targetsOf[name] = {
+      key, made, nearest: nearest(), lasting: isFinal ? null : nearest(), surfaces: four(fine), picture: four(size), fillings: four(size), sums: four(size),
       places, odd: four(sizes[0]), even: four(sizes[1]), lastingKey: null,
     };
     if (this.freeSpace) {

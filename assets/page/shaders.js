@@ -5,15 +5,23 @@
 //   then those of gather.js, which color it, of sky.js, which tell holes apart, and of fill.js, which fill them and show the picture
 
 /** From a sample to its footprint in the picture: a plane has an inverse depth that is linear in the pixels of any pinhole camera. */
-const FOOTPRINT = `
+const REACHES = `
 precision highp float;
+precision highp int;
+/** How far a footprint reaches from its sample, in pixels of its camera; and with its fringe, which fills gaps that pruning left. */
+const float CORE_REACH = 0.525;
+const float FRINGE = 1.0;
+`;
+
+const FOOTPRINT = `
+${REACHES}
 layout(location = 0) in vec2 pixel;
 layout(location = 1) in float inverse_depth;
 layout(location = 2) in vec2 slope;
 layout(location = 3) in vec4 color_flags;
 
 uniform vec3 corner, across, down, origin;
-uniform float focal_ratio, per_footprint, pixel_scale, guard, subpixels;
+uniform float focal_ratio, per_footprint, pixel_scale, guard;
 uniform vec2 size;
 
 struct Footprint {
@@ -28,10 +36,8 @@ struct Footprint {
 const float EDGE_FOOTPRINTS = 8.0;
 const float MAX_STRETCH = 1.5;
 
-/** How far a footprint reaches from its sample, in pixels of its camera: where they are magnified, over the gaps that pruning left. */
-float core_reach(mat2 jacobian) {
-  return 0.525 + 0.225 * smoothstep(1.2, 4.0, abs(determinant(jacobian)) / (subpixels * subpixels));
-}
+/** Samples that are at least this many pixels wide have a fringe. */
+const float MAGNIFIED = 2.5;
 
 Footprint footprint() {
   Footprint f;
@@ -54,7 +60,7 @@ Footprint footprint() {
   f.plane = vec3(w, by_picture);
   f.jacobian = j;
   f.reciprocal = r;
-  f.deviation = core_reach(j) * (abs(by_camera.x) + abs(by_camera.y));
+  f.deviation = CORE_REACH * (abs(by_camera.x) + abs(by_camera.y));
   return f;
 }
 
@@ -67,18 +73,21 @@ void place(Footprint f, float half_side) {
 }
 `;
 
-/** Depths in the buffer: nearer is greater, behind all others what is doubtful; 0: nothing. */
+/**
+ * Depths in the buffer: nearer is greater, and of four tiers each is behind all of the one before: samples, doubtful ones, and the fringes of
+ * both; 0 is nothing.
+ */
 export const DEPTH_CODE = `
 uniform float unit;
+const float LEAST_CORE = 0.25;
 
-float code_of(float inverse_depth, bool is_doubtful) {
+float code_of(float inverse_depth, int tier) {
   float x = inverse_depth * unit;
-  float code = x / (1.0 + x);
-  return is_doubtful ? 0.25 + 0.25 * code : 0.5 + 0.5 * code;
+  return (0.5 + 0.5 * x / (1.0 + x)) / float(1 << tier);
 }
 
 float inverse_depth_of(float code) {
-  float x = code < 0.5 ? 4.0 * code - 1.0 : 2.0 * code - 1.0;
+  float x = code * (code < 0.125 ? 16.0 : code < 0.25 ? 8.0 : code < 0.5 ? 4.0 : 2.0) - 1.0;
   return x / ((1.0 - x) * unit);
 }
 `;
@@ -97,7 +106,8 @@ uniform float view;
 flat out vec2 center;
 flat out vec4 inverse;
 flat out vec4 plane;
-flat out vec2 doubtful_reach;
+flat out vec4 reach;
+flat out int is_doubtful;
 flat out vec4 color_view;
 void main() {
   Footprint f = footprint();
@@ -108,28 +118,34 @@ void main() {
   inverse = vec4(j[1][1], -j[1][0], -j[0][1], j[0][0]) * i;
   plane = vec4(f.plane, f.deviation);
   color_view = vec4(color_flags.rgb, view / 255.0);
-  doubtful_reach = vec2(mod(floor(color_flags.a * 255.0 + 0.5), 2.0), core_reach(j));
-  vec2 reach = doubtful_reach.y * (abs(j[0]) + abs(j[1]));
-  place(f, max(0.5, min(max(reach.x, reach.y), MAX_STRETCH * focal_ratio * f.reciprocal)));
+  int flags = int(color_flags.a * 255.0 + 0.5);
+  is_doubtful = flags & 1;
+  // Toward other samples there is no fringe, and none where the surface is seen edge on.
+  bool has_fringe = i != 0.0 && focal_ratio * f.reciprocal >= MAGNIFIED;
+  for (int nth = 0; nth < 4; nth++) reach[nth] = has_fringe && (flags >> nth + 1 & 1) == 0 ? FRINGE : CORE_REACH;
+  vec2 half_size = max(reach.x, reach.y) * abs(j[0]) + max(reach.z, reach.w) * abs(j[1]);
+  place(f, max(0.5, min(max(half_size.x, half_size.y), MAX_STRETCH * focal_ratio * f.reciprocal)));
 }
 `;
 
 export const SURFACE_FRAGMENT = `#version 300 es
-precision highp float;
+${REACHES}
 flat in vec2 center;
 flat in vec4 inverse;
 flat in vec4 plane;
-flat in vec2 doubtful_reach;
+flat in vec4 reach;
+flat in int is_doubtful;
 flat in vec4 color_view;
 out vec4 own;
 ${DEPTH_CODE}
 void main() {
   vec2 offset = gl_FragCoord.xy - center;
-  vec2 camera = abs(vec2(dot(inverse.xy, offset), dot(inverse.zw, offset)));
-  vec2 pixels = abs(offset);
-  if (max(camera.x, camera.y) > doubtful_reach.y && max(pixels.x, pixels.y) > 0.5) discard;
-  float deviation = clamp(dot(plane.yz, offset), -plane.w, plane.w);
-  gl_FragDepth = code_of(max(plane.x + deviation, 0.0), doubtful_reach.x > 0.5);
+  vec2 camera = vec2(dot(inverse.xy, offset), dot(inverse.zw, offset));
+  bool is_core = max(abs(camera.x), abs(camera.y)) <= CORE_REACH || max(abs(offset.x), abs(offset.y)) <= 0.5;
+  bool is_fringe = camera.x >= -reach.x && camera.x <= reach.y && camera.y >= -reach.z && camera.y <= reach.w;
+  if (!is_core && !is_fringe) discard;
+  float most = plane.w * (is_core ? 1.0 : FRINGE / CORE_REACH);
+  gl_FragDepth = code_of(max(plane.x + clamp(dot(plane.yz, offset), -most, most), 0.0), is_doubtful + (is_core ? 0 : 2));
   own = color_view;
 }
 `;

@@ -34,7 +34,7 @@ void main() {
   vec2 cell = floor(point.xy * r);
   bool is_inside = r > 0.0 && all(greaterThanEqual(cell, vec2(0.0))) && all(lessThan(cell, size - ${2 * CELL_BORDER}.0));
   vec2 at = (cell + ${CELL_BORDER}.5) / size * 2.0 - 1.0;
-  gl_Position = is_inside ? vec4(at, code_of(inverse_depth * r, false) * 2.0 - 1.0, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
+  gl_Position = is_inside ? vec4(at, code_of(inverse_depth * r, 0) * 2.0 - 1.0, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
   gl_PointSize = 1.0;
 }
 `;
