@@ -92,7 +92,7 @@ const BASE64: f64 = 4.0 / 3.0;
 /// A page that is estimated to have up to this many times the bytes that it may is tried: estimates err by some percent.
 const MAY_FIT: f64 = 1.02;
 
-/// Pages that turn out too large before the coarsest is taken, and how much more than by its excess the estimate is then raised.
+/// Pages that turn out too large before the coarsest is taken, and how much more than by their excess estimates are then raised.
 const MOST_MISSES: usize = 3;
 const BEYOND_MISS: f64 = 1.005;
 
@@ -138,12 +138,18 @@ impl Pages<'_> {
         Ok(PageText { html, samples: images.iter().map(|image| image.samples.len() as u64).sum() })
     }
 
-    /// About the bytes of a page, given how much smaller the best compression is than the quick one.
-    fn estimated(&self, images: &[LeveledImage], best_to_quick: f64) -> Result<f64> {
+    /// The bytes of a page without its chunks, and those of its chunks by the quick compression.
+    fn parts(&self, images: &[LeveledImage]) -> Result<[f64; 2]> {
         let packed = chunks::pack(self.set, images, QUICK, self.job)?;
         let bytes: usize = packed.chunks.iter().map(|chunk| chunk.bytes.len()).sum();
-        let saved = bytes as f64 * (1.0 - best_to_quick) * BASE64;
-        Ok(self.html(&packed)?.len() as f64 - saved)
+        let chunks = bytes as f64 * BASE64;
+        Ok([self.html(&packed)?.len() as f64 - chunks, chunks])
+    }
+
+    /// About the bytes of a page, given those by the best compression for each byte by the quick one.
+    fn estimated(&self, images: &[LeveledImage], best_to_quick: f64) -> Result<f64> {
+        let [rest, chunks] = self.parts(images)?;
+        Ok(rest + chunks * best_to_quick)
     }
 
     /// The finest page of at most so many bytes. Sizes are estimated while it is searched for; a page that misses is corrected for.
@@ -165,7 +171,8 @@ impl Pages<'_> {
             if page.html.len() as u64 <= most {
                 return Ok(page);
             }
-            best_to_quick *= page.html.len() as f64 / most as f64 * BEYOND_MISS;
+            let [rest, chunks] = self.parts(&images)?;
+            best_to_quick = (page.html.len() as f64 - rest) / chunks * BEYOND_MISS;
         }
         let coarsest = self.written(&coarsening.coarsest())?;
         let bytes = coarsest.html.len() as u64;
