@@ -27,8 +27,8 @@ const DEPTH_SMOOTH = 12;
 export const SAMPLE_BYTES = 16;
 /** Neighbors are of one surface if their inverse depths differ by at most this many footprints; slopes are parts of it. */
 export const EDGE_FOOTPRINTS = 8;
-/** Flags of a sample: no other camera confirms it; beside it is another surface. */
-export const [IS_DOUBTFUL, IS_BESIDE_EDGE] = [1, 2];
+/** Flags of a sample: no other camera confirms it; there are samples to its left, to its right, above it and below it. */
+export const [IS_DOUBTFUL, HAS_LEFT, HAS_RIGHT, HAS_ABOVE, HAS_BELOW] = [1, 2, 4, 8, 16];
 
 /** Bytes of base64 text. */
 export function bytesOfBase64(text) {
@@ -270,7 +270,8 @@ function layOutSome(tiles, perFootprint, out, at, pass) {
         const above = depths[p - stride] === MISSING ? NaN : w - inverse[p - stride];
         const below = depths[p + stride] === MISSING ? NaN : inverse[p + stride] - w;
         const toShare = limit > 0 ? 32767 / limit : 0;
-        const isBeside = Math.abs(left) > limit || Math.abs(right) > limit || Math.abs(above) > limit || Math.abs(below) > limit;
+        const flag = (growth, bit) => Number.isNaN(growth) ? 0 : bit;
+        const neighbors = flag(left, HAS_LEFT) | flag(right, HAS_RIGHT) | flag(above, HAS_ABOVE) | flag(below, HAS_BELOW);
         out.words[8 * at] = tile.x + column;
         out.words[8 * at + 1] = tile.y + row;
         out.floats[4 * at + 1] = w;
@@ -279,7 +280,7 @@ function layOutSome(tiles, perFootprint, out, at, pass) {
         out.bytes[16 * at + 12] = colors[3 * p];
         out.bytes[16 * at + 13] = colors[3 * p + 1];
         out.bytes[16 * at + 14] = colors[3 * p + 2];
-        out.bytes[16 * at + 15] = (doubtful >> column & 1 ? IS_DOUBTFUL : 0) | (isBeside ? IS_BESIDE_EDGE : 0);
+        out.bytes[16 * at + 15] = (doubtful >> column & 1 ? IS_DOUBTFUL : 0) | neighbors;
         at++;
       }
     }

@@ -32,12 +32,25 @@ export class Decoders {
     try {
       const address = URL.createObjectURL(new Blob([pageScript], { type: "text/javascript" }));
       const count = Math.min(Math.max((navigator.hardwareConcurrency || 2) - 1, 1), MOST_WORKERS);
-      this.idle = Array.from({ length: count }, () => new Worker(address));
+      this.idle = Array.from({ length: count }, () => this.started(address));
     } catch {
-      // Some documents around a page allow no workers. The page decodes by itself then.
+      // Some documents around a page allow no workers, or tell so later. The page decodes by itself then.
     }
     /** Chunks that are decoded at a time. */
     this.count = Math.max(this.idle.length, 1);
+  }
+
+  /** A worker. One that cannot start is left out, and what it was asked is answered with nothing. */
+  started(address) {
+    const worker = new Worker(address);
+    worker.answer = () => {};
+    worker.onmessage = ({ data }) => worker.answer(data);
+    worker.onerror = (event) => {
+      event.preventDefault();
+      this.idle = this.idle.filter((other) => other !== worker);
+      worker.answer(null);
+    };
+    return worker;
   }
 
   /** The samples and counts of a chunk, as `decodeChunk` gives them, of its text in the page; at most `count` at a time. */
@@ -45,11 +58,7 @@ export class Decoders {
     const worker = this.idle.pop();
     if (!worker) return decodeText({ text, images, cameras });
     const answer = await new Promise((resolve) => {
-      worker.onmessage = ({ data }) => resolve(data);
-      worker.onerror = (event) => {
-        event.preventDefault();
-        resolve(null);
-      };
+      worker.answer = resolve;
       worker.postMessage({ text, images, cameras });
     });
     // A worker that could not start is not asked again.

@@ -8,11 +8,16 @@ pub const TEMPLATE: &str = include_str!("template.html");
 /// How it looks.
 pub const STYLE: &str = include_str!("style.css");
 /// The modules of the script by their names, each after those that it imports.
-pub const MODULES: [(&str, &str); 10] = [
+pub const MODULES: [(&str, &str); 15] = [
     ("math.js", include_str!("math.js")),
     ("decode.js", include_str!("decode.js")),
     ("decoders.js", include_str!("decoders.js")),
     ("shaders.js", include_str!("shaders.js")),
+    ("gather.js", include_str!("gather.js")),
+    ("fill.js", include_str!("fill.js")),
+    ("sky.js", include_str!("sky.js")),
+    ("canvas.js", include_str!("canvas.js")),
+    ("seen.js", include_str!("seen.js")),
     ("renderer.js", include_str!("renderer.js")),
     ("view.js", include_str!("view.js")),
     ("address.js", include_str!("address.js")),

@@ -10,15 +10,17 @@ const PATIENCE = 1000;
 
 const progressBar = () => document.getElementById("progress");
 
-/** Decodes all chunks, those of the current frame first, as they arrive. */
+/** Decodes all chunks, those of the current frame first, as they arrive; until the player loads anew. */
 export async function load(player) {
-  player.isLoading = true;
+  const own = player.loading = {};
+  player.decoded.clear();
+  progressBar().hidden = false;
   const { chunks } = player.scene;
   const counts = chunks.map((images) => images.reduce((sum, image) => sum + image.samples, 0));
   const firsts = counts.map((_, nth) => counts.slice(0, nth).reduce((sum, count) => sum + count, 0));
   const decoders = new Decoders();
   const running = new Map();
-  while (player.decoded.size < chunks.length) {
+  while (player.loading === own && player.decoded.size < chunks.length) {
     const next = nextChunk(player, running);
     if (next !== undefined && running.size < decoders.count) {
       running.set(next.nth, decoders.decode(next.text, chunks[next.nth], player.scene.cameras).then((decoded) => [next.nth, decoded]));
@@ -29,16 +31,21 @@ export async function load(player) {
     const isArriving = document.readyState === "loading" && next === undefined;
     if (!isArriving && running.size === 0) throw new Error("the file is cut short");
     const done = await Promise.race([...running.values(), ...isArriving ? [after(20)] : []]);
-    if (done === undefined) continue;
+    if (player.loading !== own || done === undefined) continue;
     const [nth, decoded] = done;
     running.delete(nth);
     player.renderer.upload(decoded, chunks[nth], firsts[nth]);
     await took(player, nth);
+    // What finer pictures need is made after the first picture.
+    if (player.pictures > 0) player.renderer?.makeReady();
   }
   decoders.end();
+  if (player.loading !== own) return;
   await prepareToDraw(player);
+  await player.renderer.makeReady();
+  if (player.loading !== own) return;
   player.wake();
-  player.isLoading = false;
+  player.loading = null;
   progressBar().hidden = true;
   document.documentElement.dataset.loaded = String(Math.round(performance.now()));
 }
@@ -57,8 +64,8 @@ function nextChunk(player, running) {
 async function prepareToDraw(player) {
   if (player.renderer) return;
   const { scene } = player;
-  player.renderer = new Renderer(player.canvas, scene, homeDistance(scene));
-  if (scene.sky) player.renderer.uploadSky(skyColors(await inflate(bytesOfBase64(scene.sky.colors))), scene.sky.rows);
+  const renderer = player.renderer = new Renderer(player.canvas, scene, homeDistance(scene));
+  if (scene.sky) renderer.uploadSky(skyColors(await inflate(bytesOfBase64(scene.sky.colors))), scene.sky.rows);
 }
 
 /** Shows what a chunk adds. Pictures and people come before the next chunk, the first picture above all; a hidden page draws none. */

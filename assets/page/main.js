@@ -2,7 +2,7 @@
 
 import { between } from "./math.js";
 import { servesAsDecoder } from "./decoders.js";
-import { CannotDraw } from "./renderer.js";
+import { CannotDraw } from "./canvas.js";
 import { View } from "./view.js";
 import { fragmentOf, readFragment, roundView } from "./address.js";
 import { Controls, pointOf } from "./controls.js";
@@ -18,6 +18,8 @@ const [SLOW, FAST] = [100, 24];
 const REST = 200;
 /** Pictures of a part of the first frame are this many milliseconds apart. */
 const PART_INTERVAL = 1000;
+/** A view at rest is drawn in steps, as many at a time as take between so many milliseconds: keys are heard in between. */
+const [SHORT_STEPS, LONG_STEPS] = [20, 60];
 
 const element = (id) => document.getElementById(id);
 const root = globalThis.document?.documentElement;
@@ -40,9 +42,14 @@ class Player {
     this.drawnAt = -PART_INTERVAL;
     this.wasWhole = false;
     this.drawn = null;
+    /** A picture that is drawn in steps. */
+    this.refining = null;
+    this.stepsAtATime = 1;
     this.pictures = 0;
     this.isAwake = false;
     this.decoded = new Set();
+    /** What stands for the loading that goes on, if any does. */
+    this.loading = null;
     this.takeAddress();
     this.fillPage();
     const wake = () => this.wake();
@@ -263,8 +270,8 @@ class Player {
     const moves = this.isPlaying || this.controls.isFlying() || this.controls.isDragging() || performance.now() - this.movedAt < REST;
     if (moves && passed > 0) this.adapt(passed);
     if (!moves && !isFirst) roundView(this.view);
-    const isShown = this.show(moves || isFirst ? this.finest : FINEST);
-    if (moves || isFirst || !isShown && this.isLoading) {
+    const isShown = this.show(moves || isFirst ? this.finest : null);
+    if (moves || isFirst || !isShown && (this.loading || this.refining)) {
       requestAnimationFrame((later) => this.tick(later));
       return;
     }
@@ -304,31 +311,67 @@ class Player {
   }
 
   /**
-   * Draws what is to be seen, unless that is on the screen already; false while samples of it are on their way. Until the first frame is
-   * whole, it is drawn from what is there of it.
+   * Draws what is to be seen, unless that is on the screen already; false while it, or samples of it, are on their way. Until the first
+   * frame is whole, it is drawn from what is there of it. `finest` is null at rest: the picture is as fine as it can be then.
    */
   show(finest) {
     const isWhole = this.missing().length === 0;
-    if (!this.renderer || !isWhole && !this.isPartTime()) return false;
+    if (!this.renderer || this.renderer.canvas.gl.isContextLost() || !isWhole && !this.isPartTime()) return false;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.max(Math.round(side * ratio), 1));
-    const lens = this.view.pictureLens(width, height, finest);
+    const lens = this.view.pictureLens(width, height, finest ?? FINEST);
     const { pose } = this.view;
     const { drawn, frame } = this;
-    const same = (a, b) => a.every((part, nth) => part === b[nth]);
-    if (drawn?.isWhole && drawn.frame === frame && same(drawn.pose, pose) && same(drawn.lens, lens)) return true;
-    const isStill = this.isPlaying && drawn !== null && same(drawn.pose, pose) && same(drawn.lens, lens);
-    this.renderer.draw(frame, pose, lens, isStill, FEWER_SAMPLES.filter((few) => finest < few).length);
-    this.drawn = { frame, pose, lens, isWhole };
+    const isFinal = finest === null;
+    const isSame = (a) => a?.frame === frame && [...pose, ...lens].every((part, nth) => part === [...a.pose, ...a.lens][nth]);
+    if (drawn?.isWhole && (drawn.isFinal || !isFinal) && isSame(drawn)) return true;
+    const picture = { frame, pose, lens, isWhole, isFinal };
+    if (isFinal) return this.renderer.isReady && this.refine(picture, isSame);
+    this.refining = null;
+    const isStill = this.isPlaying && isSame({ ...drawn, frame });
+    const coarser = FEWER_SAMPLES.filter((few) => finest < few).length;
+    this.renderer.draw(frame, pose, lens, { isStill, coarser: this.renderer.isReady ? coarser : Math.max(coarser, 1) });
+    this.took(picture);
+    return isWhole;
+  }
+
+  /** Draws some more of a picture at rest; whether it is there. */
+  refine(picture, isSame) {
+    const now = performance.now();
+    if (!isSame(this.refining?.picture) || this.refining.picture.isWhole !== picture.isWhole) {
+      const { frame, pose, lens } = picture;
+      const steps = this.renderer.steps(frame, pose, lens, { subpixels: this.view.subpixels(lens), isFinal: true });
+      this.refining = { picture, steps, since: now };
+    } else if (!this.renderer.canvas.isIdle()) {
+      return false;
+    } else if (now - this.refining.since < SHORT_STEPS) {
+      this.stepsAtATime *= 2;
+    } else if (now - this.refining.since > LONG_STEPS) {
+      this.stepsAtATime = Math.max(this.stepsAtATime / 2, 1);
+    }
+    this.refining.since = now;
+    for (let nth = 0; nth < this.stepsAtATime; nth++) {
+      if (!this.refining.steps.next().done) continue;
+      this.refining = null;
+      this.took(picture);
+      return picture.isWhole;
+    }
+    this.renderer.canvas.watch();
+    return false;
+  }
+
+  /** Says that a picture is on the screen. */
+  took(picture) {
+    this.drawn = picture;
     this.drawnAt = performance.now();
-    this.wasWhole ||= isWhole;
+    this.wasWhole ||= picture.isWhole;
     this.pictures += 1;
     if (this.pictures === 1) {
       root.dataset.state = "ready";
       root.dataset.firstPicture = String(Math.round(performance.now()));
     }
+    const { frame, lens } = picture;
     Object.assign(root.dataset, { frame: this.scene.frames[frame], pictures: this.pictures, size: `${lens[0]}×${lens[1]}` });
-    return isWhole;
   }
 
   /** Whether a picture of a part of the first frame is due: some of it is there, and the last such picture is old. */
@@ -336,6 +379,15 @@ class Player {
     if (this.wasWhole || performance.now() - this.drawnAt < PART_INTERVAL) return false;
     const { chunks } = this.scene;
     return [...this.decoded].some((nth) => chunks[nth].some((image) => this.isAlive(image)));
+  }
+
+  /** Forgets all that the device drew with: it has taken it back, as phones do from pages that are not looked at. */
+  lose() {
+    this.renderer = null;
+    this.refining = null;
+    this.drawn = null;
+    this.loading = null;
+    delete root.dataset.loaded;
   }
 
   // Samples.
@@ -362,9 +414,11 @@ function fail(error) {
 function start() {
   const player = new Player(JSON.parse(element("scene").textContent));
   player.canvas.addEventListener("webglcontextlost", (event) => {
+    // Without this the device never gives it back.
     event.preventDefault();
-    fail(new CannotDraw("The graphics driver has lost the picture. Loading the page again shows it."));
+    player.lose();
   });
+  player.canvas.addEventListener("webglcontextrestored", () => load(player).catch(fail));
   window.overlook = player;
   load(player).catch(fail);
 }

@@ -98,3 +98,22 @@ export function fitLens(lens, width, height) {
     width / 2 + (lens[4] - lens[0] / 2) * factor, height / 2 + (lens[5] - lens[1] / 2) * factor,
   ];
 }
+
+/** A lens as `times` the columns and rows of its picture have it. */
+export const inPixels = (lens, times) => lens.map((part) => part * times);
+
+/** From squares of `side` pixels of one lens into the pixels of another, before the division: the ray of the first corner, its growth by column and row, and the way between both. */
+export function carried(from, fromLens, side, to, toLens) {
+  const [, , fx, fy, cx, cy] = fromLens;
+  const inPicture = (v) => {
+    const [x, y, z] = turnedBack(to, v);
+    return [toLens[2] * x + toLens[4] * z, toLens[3] * y + toLens[5] * z, z];
+  };
+  const [a, b, c] = [0, 1, 2].map((nth) => inPicture(axis(from, nth)));
+  return {
+    corner: [0, 1, 2].map((i) => c[i] - a[i] * cx / fx - b[i] * cy / fy),
+    across: a.map((part) => part * side / fx),
+    down: b.map((part) => part * side / fy),
+    origin: inPicture(subtract(place(from), place(to))),
+  };
+}

@@ -1,70 +1,76 @@
 // Draws samples into a canvas by WebGL2. All samples lie in one buffer, image after image; a frame is drawn from those whose span it is in.
 
-import { axis, place, subtract, turnedBack } from "./math.js";
+import { axis, carried, inPixels } from "./math.js";
 import { SAMPLE_BYTES } from "./decode.js";
-import {
-  BLEND_FRAGMENT, BLEND_VERTEX, CARRY, FILL, NEAREST_FRAGMENT, PULL_LEVEL, PULL_PICTURE, PUSH_LEVEL, SHOW, SURFACE_FRAGMENT, SURFACE_VERTEX,
-  TURN_OVER, WHOLE_VERTEX,
-} from "./shaders.js";
+import { SEEN_FRAGMENT, SEEN_VERTEX, SURFACE_FRAGMENT, SURFACE_VERTEX, WHOLE_VERTEX } from "./shaders.js";
+import { GATHER, NEAREST, SILHOUETTE } from "./gather.js";
+import { FILL, MOST_LEVELS, PULL, ROWS, SHOW } from "./fill.js";
+import { AROUND, CELL_FRAGMENT, CELL_VERTEX, FREE, LINES, MARK, SQUARE, SQUARES } from "./sky.js";
+import { Canvas, CannotDraw } from "./canvas.js";
+import { FreeSpace, SeenSamples } from "./seen.js";
 
 /** Footprints whose centers lie this far outside the picture are drawn too, pixels. */
 const GUARD = 64;
 
-/** Levels that holes are filled from, at most: holes of that many doublings of a pixel. */
-const MOST_LEVELS = 9;
-
 /** Samples of spans of at least this share of all frames are drawn once while the view is still. */
 const LASTING = 0.25;
 
-/** The depth of the sky in the buffer. */
-const SKY_DEPTH = 0.5;
+/** Samples, and pixels, that are drawn at a time while somebody may want something else. */
+const [SAMPLES_AT_A_TIME, PIXELS_AT_A_TIME] = [200000, 100000];
 
-/** In the open, at least this share of what cameras saw is sky: where nothing is known, there is sky. */
-const OPEN = 0.2;
-
-/** A reason, in words for people, for which nothing can be drawn. */
-export class CannotDraw extends Error {}
+/** The programs of all stages, by name: two texts each, or the second one alone where it is drawn over a whole picture. */
+const PROGRAMS = {
+  surface: [SURFACE_VERTEX, SURFACE_FRAGMENT], seen: [SEEN_VERTEX, SEEN_FRAGMENT], cell: [CELL_VERTEX, CELL_FRAGMENT],
+  nearest: NEAREST, silhouette1: SILHOUETTE(1), gather1: GATHER(1), silhouette2: SILHOUETTE(2), gather2: GATHER(2),
+  free: FREE, squares: SQUARES, around: AROUND, lines: LINES, mark: MARK, pull: PULL, fill: FILL, rows: ROWS, show: SHOW,
+};
 
 export class Renderer {
   /** `scene` is the header of the page; `unit` a typical distance in it. */
   constructor(canvas, scene, unit) {
-    const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false, powerPreference: "high-performance" });
-    if (!gl) throw new CannotDraw("This browser has no WebGL2, which draws the scene. Another browser, or a newer one, will show it.");
-    const hasFloats = gl.getExtension("EXT_color_buffer_float") || gl.getExtension("EXT_color_buffer_half_float");
-    if (!hasFloats) throw new CannotDraw("This device cannot blend colors precisely enough to draw the scene. Another one will show it.");
-    this.gl = gl;
+    this.canvas = new Canvas(canvas);
     this.scene = scene;
     this.unit = unit;
-    this.size = [0, 0];
     this.ranges = [];
-    this.programs = {
-      surface: new Stage(gl, SURFACE_VERTEX, SURFACE_FRAGMENT),
-      nearest: new Stage(gl, SURFACE_VERTEX, NEAREST_FRAGMENT),
-      blend: new Stage(gl, BLEND_VERTEX, BLEND_FRAGMENT),
-      pullPicture: new Stage(gl, WHOLE_VERTEX, PULL_PICTURE),
-      pullLevel: new Stage(gl, WHOLE_VERTEX, PULL_LEVEL),
-      pushLevel: new Stage(gl, WHOLE_VERTEX, PUSH_LEVEL),
-      carry: new Stage(gl, WHOLE_VERTEX, CARRY),
-      show: new Stage(gl, WHOLE_VERTEX, SHOW),
-      fill: new Stage(gl, WHOLE_VERTEX, FILL),
-      turnOver: new Stage(gl, WHOLE_VERTEX, TURN_OVER),
-    };
-    this.nothing = gl.createVertexArray();
+    this.stages = new Map();
+    for (const name of ["surface", "nearest", "pull", "fill", "rows", "show"]) this.stage(name);
+    this.isReady = false;
     this.sky = null;
+    /** Those of pictures in motion and at rest: the picture that is shown stays while another is drawn. */
+    this.targetsOf = { motion: null, rest: null };
     this.targets = null;
+    this.shown = null;
     this.allocate();
+    this.seen = new SeenSamples(this.canvas, scene);
+    this.freeSpace = scene.sky ? new FreeSpace(this.canvas, scene, unit) : null;
+  }
+
+  /** A stage by its name. */
+  stage(name) {
+    if (!this.stages.has(name)) this.stages.set(name, this.canvas.stage(...typeof PROGRAMS[name] === "string" ? [WHOLE_VERTEX, PROGRAMS[name]] : PROGRAMS[name]));
+    return this.stages.get(name);
+  }
+
+  /** Has the driver make what fine pictures need; whoever draws one sooner is held up until it is there. */
+  makeReady() {
+    const wait = async () => {
+      Object.keys(PROGRAMS).forEach((name) => this.stage(name));
+      while (![...this.stages.values()].every((stage) => stage.isMade())) await new Promise((resolve) => { setTimeout(resolve, 20); });
+      this.isReady = true;
+    };
+    return this.beingMade ??= wait();
   }
 
   /** Makes room for all samples. */
   allocate() {
-    const gl = this.gl;
+    const { gl } = this.canvas;
     const count = this.scene.chunks.flat().reduce((sum, image) => sum + image.samples, 0);
     this.samples = gl.createVertexArray();
     this.buffer = gl.createBuffer();
     gl.bindVertexArray(this.samples);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
     gl.bufferData(gl.ARRAY_BUFFER, count * SAMPLE_BYTES, gl.STATIC_DRAW);
-    if (gl.getError() !== gl.NO_ERROR) {
+    if (gl.getError() === gl.OUT_OF_MEMORY) {
       throw new CannotDraw("The scene is too large for the memory of this device. A page made with a smaller --at-most will fit.");
     }
     const attributes = [[2, gl.UNSIGNED_SHORT, false, 0], [1, gl.FLOAT, false, 4], [2, gl.SHORT, true, 8], [4, gl.UNSIGNED_BYTE, true, 12]];
@@ -77,7 +83,7 @@ export class Renderer {
 
   /** Takes the samples of some images as `decodeChunk` gives them, which begin at sample `first` of all. */
   upload({ samples, counts }, images, first) {
-    const gl = this.gl;
+    const { gl } = this.canvas;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
     gl.bufferSubData(gl.ARRAY_BUFFER, first * SAMPLE_BYTES, samples);
     images.forEach((image, nth) => {
@@ -90,7 +96,7 @@ export class Renderer {
 
   /** Takes the map of the sky: 8-bit sRGB, twice as many columns as rows. */
   uploadSky(colors, rows) {
-    const gl = this.gl;
+    const { gl } = this.canvas;
     this.sky = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, this.sky);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
@@ -100,301 +106,224 @@ export class Renderer {
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
   }
 
+  /** Draws a picture at once, as `steps` does. */
+  draw(...picture) {
+    for (const step of this.steps(...picture)) void step;
+  }
+
   /**
-   * Draws a frame, by its index, from a pose through a lens, whose size is that of the picture. Where only time passes, as `isStill` says,
-   * samples that last are drawn once, and those that come and go over them. Of 2×2 samples one is drawn if `coarser` is 1, of 4×4 if it is 2.
+   * Draws a frame, by its index, from a pose through a lens, whose size is that of the picture, step by step; the last one shows it. Of 2×2
+   * samples one is drawn if `coarser` is 1, of 4×4 if it is 2. With two `subpixels` silhouettes are as fine as half a pixel. Where only
+   * time passes, as `isStill` says, the nearest of the samples that last are found once.
    */
-  draw(frame, pose, lens, isStill = false, coarser = 0) {
-    this.coarser = coarser;
-    const gl = this.gl;
-    const [width, height] = lens;
-    if (this.size[0] !== width || this.size[1] !== height) this.resize(width, height);
-    const { targets } = this;
+  *steps(frame, pose, lens, { isStill = false, coarser = 0, subpixels = 1, isFinal = false } = {}) {
+    const { scene } = this;
     const alive = this.ranges.filter((range) => range.start <= frame && frame < range.end);
+    this.takeSize(lens, subpixels, isFinal);
+    const { targets } = this;
+    const fine = inPixels(lens, subpixels);
+    const picture = { pose, lens, fine, subpixels, coarser, isFinal };
+    if (coarser === 0) yield* this.seen.bring(alive, pose, this);
     if (isStill) {
-      const lasts = (range) => range.end - range.start >= this.scene.frames.length * LASTING;
+      const lasts = (range) => range.end - range.start >= scene.frames.length * LASTING;
       const key = [coarser, ...pose, ...lens, ...alive.filter(lasts).map((range) => range.first)].join();
-      if (key !== targets.lastingKey) this.drawPicture(targets.lasting, alive.filter(lasts), pose, lens);
+      if (key !== targets.lastingKey) yield* this.findSurface(targets.lasting, alive.filter(lasts), picture);
       targets.lastingKey = key;
-      this.drawPicture(targets.whole, alive.filter((range) => !lasts(range)), pose, lens, targets.lasting);
+      yield* this.findSurface(targets.nearest, alive.filter((range) => !lasts(range)), picture, targets.lasting);
     } else {
-      this.drawPicture(targets.whole, alive, pose, lens);
+      yield* this.findSurface(targets.nearest, alive, picture);
     }
-    this.fillLevels();
-    this.finish(pose, lens);
+    yield* this.gather(picture);
+    if (this.freeSpace) {
+      // In motion what cameras saw a moment ago is true enough.
+      if (isFinal || this.freeSpace.key === null) yield* this.freeSpace.see(alive, pose, this);
+      yield* this.markHoles(picture);
+    }
+    yield* this.fill(picture);
+    this.show(picture);
   }
 
-  /** Depths and sums of colors; over those of a picture `before`, if one is given. */
-  drawPicture(target, alive, pose, lens, before) {
-    if (this.coarser > 0) {
-      this.drawSurface(target.nearest, this.programs.nearest, alive, pose, lens, before?.nearest);
-    } else {
-      this.drawSurface(target.surface, this.programs.surface, alive, pose, lens, before?.surface);
-      this.drawBlend(target, alive, pose, lens, before);
-    }
-  }
-
-  /** The nearest depth in each pixel, and by the stage `nearest` the color there; over that of a picture `before`, if one is given. */
-  drawSurface(framebuffer, stage, alive, pose, lens, before) {
-    const gl = this.gl;
-    const [width, height] = this.size;
-    const planes = gl.DEPTH_BUFFER_BIT | (stage === this.programs.nearest ? gl.COLOR_BUFFER_BIT : 0);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    gl.viewport(-GUARD, -GUARD, width + 2 * GUARD, height + 2 * GUARD);
-    gl.depthMask(true);
+  /** The nearest depth in each pixel, and the color and the view there; over those of `before`, if it is given. */
+  *findSurface(target, alive, { pose, fine, coarser }, before) {
+    const { gl } = this.canvas;
+    const [width, height] = fine;
+    const stage = this.stage("surface");
+    const begin = () => {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
+      gl.viewport(-GUARD, -GUARD, width + 2 * GUARD, height + 2 * GUARD);
+      gl.enable(gl.DEPTH_TEST);
+      gl.depthFunc(gl.GREATER);
+      stage.use();
+      stage.numbers({ guard: GUARD, unit: this.unit, pixel_scale: 1 / (1 << coarser), size: [width, height] });
+    };
+    begin();
     if (before) {
-      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, before);
-      gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, planes, gl.NEAREST);
+      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, before.framebuffer);
+      gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.DEPTH_BUFFER_BIT | gl.COLOR_BUFFER_BIT, gl.NEAREST);
     } else {
       gl.clearDepth(0);
-      gl.clearColor(0, 0, 0, 0);
-      gl.clear(planes);
+      gl.clear(gl.DEPTH_BUFFER_BIT);
     }
-    gl.enable(gl.DEPTH_TEST);
-    gl.depthFunc(gl.GREATER);
-    this.drawSamples(stage, alive, pose, lens);
+    let drawn = 0;
+    for (const range of alive) {
+      const { lens: from, world_from_camera: place } = this.scene.cameras[range.camera];
+      const side = 1 << range.level + coarser;
+      stage.numbers({
+        ...carried(place, from, side, pose, fine),
+        view: this.seen.viewOf(range),
+        focal_ratio: side * Math.sqrt(fine[2] * fine[3] / (from[2] * from[3])),
+        per_footprint: side / Math.sqrt(from[2] * from[3]),
+      });
+      drawn += this.drawRange(range, coarser);
+      if (drawn < SAMPLES_AT_A_TIME) continue;
+      drawn = 0;
+      gl.disable(gl.DEPTH_TEST);
+      yield;
+      begin();
+    }
     gl.disable(gl.DEPTH_TEST);
   }
 
-  /** The sums of colors and weights in each pixel; with those of a picture `before`, if one is given. */
-  drawBlend(target, alive, pose, lens, before) {
-    const gl = this.gl;
-    const ratio = 1 / (1 + this.scene.depth_tolerance / Math.sqrt(lens[2] * lens[3]));
-    const { carry, blend } = this.programs;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target.blended);
-    if (before) {
-      carry.use();
-      bind(gl, carry, { lasting_sums: before.sums, lasting_depths: before.depths, depths: target.depths });
-      gl.uniform1f(carry.uniform("surface_ratio"), ratio);
-      gl.uniform1f(carry.uniform("unit"), this.unit);
-      this.over(target.blended, this.size);
-    } else {
-      gl.clearColor(0, 0, 0, 0);
-      gl.clear(gl.COLOR_BUFFER_BIT);
-    }
-    gl.viewport(-GUARD, -GUARD, this.size[0] + 2 * GUARD, this.size[1] + 2 * GUARD);
-    gl.enable(gl.BLEND);
-    gl.blendFunc(gl.ONE, gl.ONE);
-    blend.use();
-    bind(gl, blend, { depths: target.depths });
-    gl.uniform4f(blend.uniform("lens"), lens[2], lens[3], lens[4], lens[5]);
-    gl.uniform1f(blend.uniform("surface_ratio"), ratio);
-    this.drawSamples(blend, alive, pose, lens);
-    gl.disable(gl.BLEND);
-  }
-
-  drawSamples(stage, alive, pose, lens) {
-    const gl = this.gl;
+  /** Draws the samples of a range as points; gives how many. */
+  drawRange({ first, counts }, coarser = 0) {
+    const { gl } = this.canvas;
     gl.bindVertexArray(this.samples);
-    stage.use();
-    gl.uniform1f(stage.uniform("guard"), GUARD);
-    gl.uniform2f(stage.uniform("size"), lens[0], lens[1]);
-    gl.uniform1f(stage.uniform("unit"), this.unit);
-    gl.uniform1f(stage.uniform("pixel_scale"), 1 / (1 << this.coarser));
-    alive.forEach(({ camera, level, first, counts }, nth) => {
-      if (nth === 0 || alive[nth - 1].camera !== camera || alive[nth - 1].level !== level) {
-        this.setCamera(stage, this.scene.cameras[camera], 1 << level + this.coarser, pose, lens);
-      }
-      gl.drawArrays(gl.POINTS, first, counts[2 - this.coarser]);
-    });
+    gl.drawArrays(gl.POINTS, first, counts[2 - coarser]);
+    return counts[2 - coarser];
   }
 
-  /** Carries pixels of a camera, `side` of its pixels wide, into the picture: `ray·z` and the way between the cameras, before the division. */
-  setCamera(stage, camera, side, pose, lens) {
-    const gl = this.gl;
-    const from = camera.world_from_camera;
-    const [, , fx, fy, cx, cy] = camera.lens;
-    const inPicture = (v) => {
-      const [x, y, z] = turnedBack(pose, v);
-      return [lens[2] * x + lens[4] * z, lens[3] * y + lens[5] * z, z];
-    };
-    const [a, b, c] = [0, 1, 2].map((nth) => inPicture(axis(from, nth)));
-    gl.uniform3fv(stage.uniform("corner"), [0, 1, 2].map((i) => c[i] - a[i] * cx / fx - b[i] * cy / fy));
-    gl.uniform3fv(stage.uniform("across"), a.map((part) => part * side / fx));
-    gl.uniform3fv(stage.uniform("down"), b.map((part) => part * side / fy));
-    gl.uniform3fv(stage.uniform("origin"), inPicture(subtract(place(from), place(pose))));
-    gl.uniform1f(stage.uniform("focal_ratio"), side * Math.sqrt(lens[2] * lens[3] / (fx * fy)));
-    gl.uniform1f(stage.uniform("per_footprint"), side / Math.sqrt(fx * fy));
-  }
-
-  /** What holes are filled with, level by level. */
-  fillLevels() {
-    const gl = this.gl;
-    const { pulled, pushed, whole } = this.targets;
-    const { pullPicture, pullLevel, pushLevel } = this.programs;
-    pulled.forEach((level, nth) => {
-      const stage = nth === 0 ? pullPicture : pullLevel;
-      const size = nth === 0 ? this.size : pulled[nth - 1].size;
-      stage.use();
-      bind(gl, stage, nth === 0 ? { sums: whole.sums, depths: whole.depths } : { level: pulled[nth - 1].color });
-      gl.uniform2i(stage.uniform("last"), size[0] - 1, size[1] - 1);
-      this.over(level.framebuffer, level.size);
-    });
-    pushLevel.use();
-    for (let nth = pushed.length - 1; nth >= 0; nth--) {
-      bind(gl, pushLevel, { level: pulled[nth].color, coarser: (pushed[nth + 1] ?? pulled[nth + 1]).color });
-      this.over(pushed[nth].framebuffer, pushed[nth].size);
+  /** What each pixel shows. */
+  *gather({ pose, lens, fine, subpixels, coarser }) {
+    const { targets, seen } = this;
+    const { nearest, surfaces, picture } = targets;
+    if (coarser > 0) {
+      this.stage("nearest").use({ depths: nearest.depths, own: nearest.own }, { unit: this.unit });
+      this.canvas.over(picture);
+      return;
     }
+    const [silhouette, gather] = ["silhouette", "gather"].map((name) => this.stage(name + subpixels));
+    const numbers = { ...seen.lines(pose, fine), unit: this.unit, surface_ratio: 1 / (1 + this.scene.depth_tolerance / Math.sqrt(fine[2] * fine[3])) };
+    const views = seen.views(pose, fine);
+    const textures = { views, seen: seen.layers, depths: nearest.depths };
+    yield* this.inBands(surfaces, fine, () => silhouette.use(textures, numbers));
+    yield* this.inBands(picture, lens, () => gather.use({ ...textures, surfaces: surfaces.texture, own: nearest.own }, numbers));
   }
 
-  finish(pose, lens) {
-    const gl = this.gl;
+  /** Which pixels are holes, and of what kinds, where there is a sky. */
+  *markHoles({ pose, lens, isFinal }) {
+    const [squares, around, lines, mark] = ["squares", "around", "lines", "mark"].map((name) => this.stage(name));
+    const { targets, freeSpace } = this;
+    const picture = targets.picture.texture;
+    squares.use({ picture });
+    this.canvas.over(targets.squares);
+    around.use({ squares: targets.squares.texture });
+    this.canvas.over(targets.around);
+    const [asked, numbers] = [freeSpace.asked(pose, lens), { asked_count: freeSpace.cameras.length, depth_count: isFinal ? 64 : 16 }];
+    const textures = { picture, around: targets.around.texture, asked, free: freeSpace.free };
+    yield* this.inBands(targets.lines, lens, () => lines.use(textures, numbers));
+    yield* this.inBands(targets.marked, lens, () => mark.use({ ...textures, lines: targets.lines.texture }, numbers));
+  }
+
+  /** What fills holes. */
+  *fill({ lens }) {
+    const [pull, fill, rows] = ["pull", "fill", "rows"].map((name) => this.stage(name));
     const { targets } = this;
-    const { show, fill, turnOver } = this.programs;
-    show.use();
-    bind(gl, show, { sums: targets.whole.sums });
-    this.over(targets.shown, this.size);
-    // A hole is where the depth is that of nothing.
-    gl.enable(gl.DEPTH_TEST);
-    gl.depthFunc(gl.EQUAL);
-    gl.depthMask(false);
-    const [a, b, c] = [axis(pose, 0), axis(pose, 1), axis(pose, 2)];
-    fill.use();
-    bind(gl, fill, { coarser: (targets.pushed[0] ?? targets.pulled[0]).color, level: targets.pulled[0].color, sky: this.sky });
-    gl.uniform1i(fill.uniform("has_sky"), this.sky ? 1 : 0);
-    gl.uniform1i(fill.uniform("is_open"), this.sky && this.scene.sky.share >= OPEN ? 1 : 0);
-    gl.uniform3fv(fill.uniform("sky_corner"), c.map((part, i) => part - a[i] * lens[4] / lens[2] - b[i] * lens[5] / lens[3]));
-    gl.uniform3fv(fill.uniform("sky_across"), a.map((part) => part / lens[2]));
-    gl.uniform3fv(fill.uniform("sky_down"), b.map((part) => part / lens[3]));
-    for (const [isSky, depth] of [[0, 0], [1, SKY_DEPTH]]) {
-      gl.uniform1i(fill.uniform("is_sky"), isSky);
-      gl.uniform1f(fill.uniform("depth"), depth);
-      this.over(targets.shown, this.size);
+    const numbers = { has_sky: Boolean(this.sky), footprints: this.scene.depth_tolerance, focal: Math.sqrt(lens[2] * lens[3]), levels: targets.places };
+    const marked = this.marked();
+    targets.places.forEach(([x, y, width, height], nth) => {
+      const [to, from] = nth % 2 === 0 ? [targets.odd, targets.even] : [targets.even, targets.odd];
+      // What is drawn into must not be bound, even where it is not read.
+      pull.use({ marked, odd_levels: from.texture, even_levels: from.texture }, { ...numbers, level: nth + 1, first: [x, y] });
+      this.canvas.over(to, [x, y, width, height]);
+    });
+    const textures = { marked, odd_levels: targets.odd.texture, even_levels: targets.even.texture };
+    yield* this.inBands(targets.fillings, lens, () => fill.use(textures, { ...numbers, level_count: targets.places.length }));
+    yield* this.inBands(targets.sums, lens, () => rows.use({ fillings: targets.fillings.texture }));
+  }
+
+  /** The picture with its holes. */
+  marked() {
+    return (this.freeSpace ? this.targets.marked : this.targets.picture).texture;
+  }
+
+  show({ pose, lens }) {
+    const { targets, canvas } = this;
+    canvas.resize(lens);
+    const numbers = { has_sky: Boolean(this.sky), ...skyLines(pose, lens) };
+    this.stage("show").use({ marked: this.marked(), fillings: targets.fillings.texture, sums: targets.sums.texture, sky: this.sky }, numbers);
+    canvas.over({ framebuffer: null, size: lens });
+    this.shown = { targets, target: this.freeSpace ? targets.marked : targets.picture, size: lens };
+  }
+
+  /** Draws over the whole of a target, in bands of rows; `begin` takes a stage into use. */
+  *inBands(target, [width, height], begin) {
+    const rows = Math.max(Math.ceil(PIXELS_AT_A_TIME / width), 1);
+    for (let row = 0; row < height; row += rows) {
+      begin();
+      this.canvas.over(target, [0, row, width, Math.min(rows, height - row)]);
+      yield;
     }
-    gl.disable(gl.DEPTH_TEST);
-    gl.depthMask(true);
-    turnOver.use();
-    bind(gl, turnOver, { picture: targets.picture });
-    this.over(null, this.size);
   }
 
-  /** Draws one triangle over the whole of a target. */
-  over(framebuffer, [width, height]) {
-    const gl = this.gl;
-    gl.bindVertexArray(this.nothing);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
-    gl.viewport(0, 0, width, height);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
-  }
-
-  /** The inverse depth in the middle of a pixel of the last picture, counted from its upper left corner; 0 at infinity and in holes. */
+  /** The inverse depth in a pixel of the last picture, counted from its upper left corner; 0 at infinity and in holes. */
   inverseDepthAt(x, y) {
-    const gl = this.gl;
-    if (!this.targets) return 0;
-    // Depth cannot be read directly: it is copied into the bytes of a color of one pixel.
-    const stage = this.programs.depthAt ??= new Stage(gl, WHOLE_VERTEX, `#version 300 es
-      precision highp float;
-      uniform sampler2D depths;
-      uniform ivec2 at;
-      out vec4 code;
-      void main() {
-        float whole = min(floor(texelFetch(depths, at, 0).r * 16777216.0), 16777215.0);
-        code = vec4(floor(whole / 65536.0), floor(mod(whole, 65536.0) / 256.0), mod(whole, 256.0), 255.0) / 255.0;
-      }`);
-    const probe = this.probe ??= this.framebuffer(this.texture(gl.RGBA8, [1, 1]), null);
-    stage.use();
-    bind(gl, stage, { depths: this.targets.whole.depths });
-    gl.uniform2i(stage.uniform("at"), Math.min(Math.max(Math.floor(x), 0), this.size[0] - 1), Math.min(Math.max(Math.floor(y), 0), this.size[1] - 1));
-    this.over(probe, [1, 1]);
-    const read = new Uint8Array(4);
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, read);
-    const stored = (read[0] * 65536 + read[1] * 256 + read[2]) / 16777216;
-    const code = stored < 0.5 ? 4 * stored - 1 : 2 * stored - 1;
-    return code > 0 ? code / ((1 - code) * this.unit) : 0;
+    if (!this.shown) return 0;
+    const { target, size } = this.shown;
+    const inside = [x, y].map((part, nth) => Math.min(Math.max(Math.floor(part), 0), size[nth] - 1));
+    return Math.max(this.canvas.floatAt(target, inside, 2), 0);
   }
 
-  /** Makes the targets of a picture of a size. */
-  resize(width, height) {
-    const gl = this.gl;
-    for (const object of this.made ?? []) {
-      if (object instanceof WebGLTexture) gl.deleteTexture(object);
-      else gl.deleteFramebuffer(object);
+  /** Takes the targets of a picture of a size, and makes them where they had another one. */
+  takeSize([width, height], subpixels, isFinal) {
+    const { canvas } = this;
+    const { gl } = canvas;
+    const name = isFinal ? "rest" : "motion";
+    const key = [width, height, subpixels].join();
+    this.targets = this.targetsOf[name];
+    if (this.targets?.key === key) return;
+    canvas.forget(this.targets?.made ?? []);
+    if (this.shown?.targets === this.targets) this.shown = null;
+    const made = [];
+    const size = [width, height];
+    const four = (of) => canvas.target(gl.RGBA32UI, of, made);
+    const two = (of) => canvas.target(gl.RG32UI, of, made);
+    const fine = size.map((side) => side * subpixels);
+    const nearest = () => canvas.nearestTarget(fine, made);
+    const [places, sizes] = levelPlaces(size);
+    this.targets = this.targetsOf[name] = {
+      key, made, nearest: nearest(), lasting: isFinal ? null : nearest(), surfaces: four(fine), picture: four(size), fillings: four(size), sums: four(size),
+      places, odd: four(sizes[0]), even: four(sizes[1]), lastingKey: null,
+    };
+    if (this.freeSpace) {
+      const squares = size.map((side) => Math.ceil(side / SQUARE));
+      Object.assign(this.targets, { squares: two(squares), around: two(squares), lines: two(size), marked: four(size) });
     }
-    this.made = [];
-    this.size = [width, height];
-    [gl.canvas.width, gl.canvas.height] = this.size;
-    const picture = () => {
-      const [depths, sums] = [this.texture(gl.DEPTH_COMPONENT32F, this.size), this.texture(gl.RGBA16F, this.size)];
-      const [surface, blended, nearest] = [this.framebuffer(null, depths), this.framebuffer(sums, null), this.framebuffer(sums, depths)];
-      return { depths, sums, surface, blended, nearest };
-    };
-    const level = (size) => {
-      const color = this.texture(gl.RGBA16F, size);
-      return { color, framebuffer: this.framebuffer(color, null), size };
-    };
-    const [whole, lasting] = [picture(), picture()];
-    const [pulled, pushed] = [[], []];
-    let size = this.size;
-    do {
-      size = size.map((side) => Math.ceil(side / 2));
-      pulled.push(level(size));
-    } while (pulled.length < MOST_LEVELS && Math.max(...size) > 1);
-    for (const { size: same } of pulled.slice(0, -1)) pushed.push(level(same));
-    const shown = this.texture(gl.RGBA8, this.size);
-    this.targets = { whole, lasting, pulled, pushed, picture: shown, shown: this.framebuffer(shown, whole.depths), lastingKey: null };
-  }
-
-  texture(format, [width, height]) {
-    const gl = this.gl;
-    const made = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, made);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
-    for (const which of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, which, gl.NEAREST);
-    for (const which of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, which, gl.CLAMP_TO_EDGE);
-    this.made?.push(made);
-    return made;
-  }
-
-  /** What is drawn into: a texture of colors, one of depths, or both. */
-  framebuffer(color, depths) {
-    const gl = this.gl;
-    const made = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, made);
-    if (color) gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, color, 0);
-    if (depths) gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, depths, 0);
-    gl.drawBuffers([color ? gl.COLOR_ATTACHMENT0 : gl.NONE]);
-    this.made?.push(made);
-    return made;
   }
 }
 
-/** A program that the driver makes meanwhile; what is wrong with it shows when it is first used. */
-class Stage {
-  constructor(gl, vertexText, fragmentText) {
-    this.gl = gl;
-    this.places = new Map();
-    this.linked = gl.createProgram();
-    for (const [type, text] of [[gl.VERTEX_SHADER, vertexText], [gl.FRAGMENT_SHADER, fragmentText]]) {
-      const shader = gl.createShader(type);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      gl.attachShader(this.linked, shader);
-    }
-    gl.linkProgram(this.linked);
-  }
-
-  use() {
-    const { gl, linked } = this;
-    if (!this.isChecked && !gl.getProgramParameter(linked, gl.LINK_STATUS) && !gl.isContextLost()) {
-      const shaders = gl.getAttachedShaders(linked).map((shader) => gl.getShaderInfoLog(shader));
-      throw new CannotDraw(`The graphics driver refuses a shader: ${[gl.getProgramInfoLog(linked), ...shaders].join(" ")}`);
-    }
-    this.isChecked = true;
-    gl.useProgram(linked);
-  }
-
-  /** The place of a uniform. */
-  uniform(name) {
-    if (!this.places.has(name)) this.places.set(name, this.gl.getUniformLocation(this.linked, name));
-    return this.places.get(name);
-  }
+/** Directions of the corner of a picture, and from one column and row to the next, in world space. */
+function skyLines(pose, lens) {
+  const [a, b, c] = [0, 1, 2].map((nth) => axis(pose, nth));
+  return {
+    sky_corner: c.map((part, i) => part - a[i] * lens[4] / lens[2] - b[i] * lens[5] / lens[3]),
+    sky_across: a.map((part) => part / lens[2]),
+    sky_down: b.map((part) => part / lens[3]),
+  };
 }
 
-/** Binds textures to the samplers of a program in use. */
-function bind(gl, stage, textures) {
-  Object.entries(textures).forEach(([name, bound], unit) => {
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, bound);
-    gl.uniform1i(stage.uniform(name), unit);
-  });
+/** Where the levels of a picture lie in two textures, odd and even ones, and the sizes of these. */
+function levelPlaces(size) {
+  const places = [];
+  const sizes = [[1, 1], [1, 1]];
+  const free = [[0, 0], [0, 0]];
+  let [width, height] = size;
+  do {
+    [width, height] = [Math.ceil(width / 2), Math.ceil(height / 2)];
+    const which = places.length % 2;
+    const [x, y] = free[which];
+    places.push([x, y, width, height]);
+    sizes[which] = [Math.max(sizes[which][0], x + width), Math.max(sizes[which][1], y + height)];
+    free[which] = places.length < 3 ? [width, 0] : [x, y + height];
+  } while (places.length < MOST_LEVELS && Math.max(width, height) > 1);
+  return [places, sizes];
 }

@@ -12,6 +12,8 @@ const HOME_STEP = 0.3;
 const ZOOM = [1e-5, 1e6];
 /** Cameras at their pivot count as this far from it. */
 const LEAST_DISTANCE = 1e-12;
+/** Silhouettes are found at half a pixel in pictures with fewer pixels per recorded pixel: finer ones interpolate them anyway. */
+const FINE_SILHOUETTES = 1.5;
 /** The finest picture: its pixels per recorded pixel, along each side. */
 const FINEST_AT_REST = 2;
 
@@ -110,5 +112,11 @@ export class View {
     const shrink = Math.max(Math.min(width / this.lens[0], height / this.lens[1]) / finest, 1);
     const size = [width, height].map((side) => Math.max(Math.round(side / shrink), 1));
     return fitLens(this.lens, size[0], size[1]);
+  }
+
+  /** Pixels of the depth buffer along each side of a pixel of a picture at rest. */
+  subpixels(lens) {
+    const [width, height] = this.lens;
+    return Math.max(lens[0] / width, lens[1] / height) < FINE_SILHOUETTES ? 2 : 1;
   }
 }

@@ -145,6 +145,11 @@ impl Coarsening {
         Ok(Some(best))
     }
 
+    /// The images after all squares are merged.
+    pub(crate) fn coarsest(&self) -> Vec<LeveledImage> {
+        self.images(self.steps)
+    }
+
     /// The images after the first `steps` squares are merged.
     fn images(&self, steps: usize) -> Vec<LeveledImage> {
         let parts = self.pyramids.iter().flat_map(|pyramid| {

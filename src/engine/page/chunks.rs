@@ -19,6 +19,12 @@ const CHUNK_SAMPLES: usize = 150_000;
 /// The best compression that there is: a page is written once, and read often.
 pub(super) const BEST: i32 = 12;
 
+/// Compression that tells about how large a page becomes, in a small part of the time.
+pub(super) const QUICK: i32 = 4;
+
+/// Chunks that are compressed both ways to tell how much smaller the best are, at most.
+const PROBES: usize = 8;
+
 /// What the header says of an image.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub(super) struct ImageHeader {
@@ -50,23 +56,46 @@ pub(super) struct Packed {
     pub(super) shifts: Vec<u32>,
 }
 
-/// Packs images. Those of the first frame come first.
-pub(super) fn pack(set: &SampleSet, images: &[LeveledImage], job: &Job) -> Result<Packed> {
+/// Images in the order of a page: those of the first frame come first.
+fn ordered(images: &[LeveledImage]) -> Vec<&LeveledImage> {
     let mut order: Vec<&LeveledImage> = images.iter().collect();
     order.sort_by_key(|image| {
         let span = image.samples.span;
         (span.start, u32::MAX - span.end, image.level, image.samples.camera)
     });
+    order
+}
+
+/// For each camera, the lowest bits of inverse depth that are left off.
+fn shifts_of(set: &SampleSet) -> Vec<u32> {
     // Color is 8-bit here, whatever the store holds it to.
     let settings = StoreSettings { precision: Precision::Bits8, ..set.settings.store.clone() };
-    let shifts: Vec<u32> = set.cameras.iter().map(|camera| depth_shift(camera, &settings)).collect();
+    set.cameras.iter().map(|camera| depth_shift(camera, &settings)).collect()
+}
+
+/// Bytes of some images by the best compression for each byte by the quick one, from some of their chunks.
+pub(super) fn best_to_quick(set: &SampleSet, images: &[LeveledImage]) -> Result<f64> {
+    let (order, shifts) = (ordered(images), shifts_of(set));
     let ranges = chunk_ranges(&order);
-    job.start("Packing samples", ranges.len());
+    let every = ranges.len().div_ceil(PROBES).max(1);
+    let probes: Vec<Range<usize>> = ranges.into_iter().step_by(every).collect();
+    let bytes = |effort: i32| -> Result<usize> {
+        let chunks = probes.par_iter().map(|range| chunk(set, &order[range.clone()], &shifts, effort));
+        chunks.map(|chunk| Ok(chunk?.bytes.len())).sum()
+    };
+    Ok(bytes(BEST)? as f64 / bytes(QUICK)?.max(1) as f64)
+}
+
+/// Packs images, by a level of effort.
+pub(super) fn pack(set: &SampleSet, images: &[LeveledImage], effort: i32, job: &Job) -> Result<Packed> {
+    let (order, shifts) = (ordered(images), shifts_of(set));
+    let ranges = chunk_ranges(&order);
+    job.start(if effort == BEST { "Packing samples" } else { "Estimating sizes" }, ranges.len());
     let chunks: Result<Vec<Chunk>> = ranges
         .into_par_iter()
         .map(|range| {
             job.check()?;
-            let chunk = chunk(set, &order[range], &shifts)?;
+            let chunk = chunk(set, &order[range], &shifts, effort)?;
             job.advance(1);
             Ok(chunk)
         })
@@ -87,7 +116,7 @@ fn chunk_ranges(order: &[&LeveledImage]) -> Vec<Range<usize>> {
     ranges
 }
 
-fn chunk(set: &SampleSet, images: &[&LeveledImage], shifts: &[u32]) -> Result<Chunk> {
+fn chunk(set: &SampleSet, images: &[&LeveledImage], shifts: &[u32], effort: i32) -> Result<Chunk> {
     let mut streams = Streams::default();
     let mut headers = Vec::with_capacity(images.len());
     for LeveledImage { samples, level } in images {
@@ -107,7 +136,7 @@ fn chunk(set: &SampleSet, images: &[&LeveledImage], shifts: &[u32]) -> Result<Ch
     }
     let lengths = streams.0.iter().flat_map(|stream| (stream.len() as u32).to_le_bytes());
     let raw: Vec<u8> = lengths.chain(streams.0.iter().flatten().copied()).collect();
-    Ok(Chunk { images: headers, bytes: gzipped(&raw, BEST, &set.name)? })
+    Ok(Chunk { images: headers, bytes: gzipped(&raw, effort, &set.name)? })
 }
 
 /// Deflate with a checksum, as browsers read it, by a level of effort from 1 to 12.

@@ -44,20 +44,24 @@ fn push_chunks(html: &mut String, packed: &Packed) {
     }
 }
 
-/// All modules as one script.
+/// All modules as one script, without comments and indentation: pages are sent, and `assets/page/` is what people read.
 fn script() -> String {
     let mut script = String::from("\"use strict\";\n(() => {\n");
-    for (name, module) in MODULES {
-        script.extend(["\n// ", name, "\n"]);
-        let mut is_import = false;
+    for (_, module) in MODULES {
+        let (mut is_import, mut is_comment) = (false, false);
         for line in module.lines() {
             is_import |= line.starts_with("import ");
             if is_import {
                 is_import = !line.ends_with("\";");
                 continue;
             }
-            script += line.strip_prefix("export ").unwrap_or(line);
-            script.push('\n');
+            let line = line.strip_prefix("export ").unwrap_or(line).trim_start();
+            is_comment |= line.starts_with("/**");
+            if is_comment {
+                is_comment = !line.ends_with("*/");
+            } else if !line.is_empty() && !line.starts_with("//") {
+                script.extend([line, "\n"]);
+            }
         }
     }
     script + "})();\n"
@@ -90,7 +94,11 @@ mod tests {
                 .map(|line| line.strip_prefix("export ").unwrap_or(line))
                 .filter_map(|line| words.iter().find_map(|word| line.strip_prefix(word)))
                 // Constants of shaders have a type before their name, and what is taken apart has none.
-                .filter(|rest| !["float ", "int ", "{", "["].iter().any(|start| rest.starts_with(start)))
+                .filter(|rest| {
+                    !["float ", "int ", "uint ", "vec", "ivec", "{", "["]
+                        .iter()
+                        .any(|start| rest.starts_with(start))
+                })
                 .map(|rest| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect())
                 .collect();
             declared

@@ -29,6 +29,8 @@ use crate::store::file::Store;
 use crate::whole_file;
 
 pub(crate) use budget::{Coarsening, LeveledImage};
+use chunks::{BEST, Packed, QUICK};
+
 pub(crate) use chunks::gzipped;
 
 pub use budget::coarsened;
@@ -84,6 +86,16 @@ pub struct PageText {
 /// Halvings by which the largest page within a budget is searched for.
 const SEARCH_STEPS: usize = 7;
 
+/// Bytes of base64 for a byte.
+const BASE64: f64 = 4.0 / 3.0;
+
+/// A page that is estimated to have up to this many times the bytes that it may is tried: estimates err by some percent.
+const MAY_FIT: f64 = 1.02;
+
+/// Pages that turn out too large before the coarsest is taken, and how much more than by their excess estimates are then raised.
+const MOST_MISSES: usize = 3;
+const BEYOND_MISS: f64 = 1.005;
+
 /// The page of samples that are in memory, as text.
 ///
 /// # Errors
@@ -99,30 +111,78 @@ pub fn page(set: &SampleSet, options: &PageOptions, job: &Job) -> Result<PageTex
         "a page draws cameras in perspective alone; export splats or points",
     )?;
     let sky = header::sky_of(set)?;
-    let written = |images: &[LeveledImage]| -> Result<PageText> {
-        let packed = chunks::pack(set, images, job)?;
-        let html =
-            html::page(&header::of(set, options, sky.as_deref(), &packed)?, options, &packed, &set.name)?;
-        Ok(PageText { html, samples: images.iter().map(|image| image.samples.len() as u64).sum() })
-    };
+    let pages = Pages { set, options, sky, job };
     let whole: Vec<_> = set.images.iter().map(|image| LeveledImage::fine(Arc::clone(image))).collect();
-    let Some(most) = options.at_most else { return written(&whole) };
-    let finest = written(&whole)?;
-    if finest.html.len() as u64 <= most {
-        return Ok(finest);
+    match options.at_most {
+        Some(most) => pages.within(most, &whole),
+        None => pages.written(&whole),
     }
-    let mut tried_bytes = 0;
-    let best = Coarsening::new(set, job)?.finest(SEARCH_STEPS, |images| {
-        let tried = written(images)?;
-        tried_bytes = tried.html.len() as u64;
-        Ok((tried_bytes <= most).then_some(tried))
-    })?;
-    best.ok_or_else(|| {
-        // Nothing but the coarsest was tried.
+}
+
+/// Pages of samples, some of which may be merged.
+struct Pages<'a> {
+    set: &'a SampleSet,
+    options: &'a PageOptions,
+    sky: Option<Vec<u8>>,
+    job: &'a Job,
+}
+
+impl Pages<'_> {
+    fn html(&self, packed: &Packed) -> Result<String> {
+        let header = header::of(self.set, self.options, self.sky.as_deref(), packed)?;
+        html::page(&header, self.options, packed, &self.set.name)
+    }
+
+    fn written(&self, images: &[LeveledImage]) -> Result<PageText> {
+        let html = self.html(&chunks::pack(self.set, images, BEST, self.job)?)?;
+        Ok(PageText { html, samples: images.iter().map(|image| image.samples.len() as u64).sum() })
+    }
+
+    /// The bytes of a page without its chunks, and those of its chunks by the quick compression.
+    fn parts(&self, images: &[LeveledImage]) -> Result<[f64; 2]> {
+        let packed = chunks::pack(self.set, images, QUICK, self.job)?;
+        let bytes: usize = packed.chunks.iter().map(|chunk| chunk.bytes.len()).sum();
+        let chunks = bytes as f64 * BASE64;
+        Ok([self.html(&packed)?.len() as f64 - chunks, chunks])
+    }
+
+    /// About the bytes of a page, given those by the best compression for each byte by the quick one.
+    fn estimated(&self, images: &[LeveledImage], best_to_quick: f64) -> Result<f64> {
+        let [rest, chunks] = self.parts(images)?;
+        Ok(rest + chunks * best_to_quick)
+    }
+
+    /// The finest page of at most so many bytes. Sizes are estimated while it is searched for; a page that misses is corrected for.
+    fn within(&self, most: u64, whole: &[LeveledImage]) -> Result<PageText> {
+        let mut best_to_quick = chunks::best_to_quick(self.set, whole)?;
+        if self.estimated(whole, best_to_quick)? <= most as f64 * MAY_FIT {
+            let page = self.written(whole)?;
+            if page.html.len() as u64 <= most {
+                return Ok(page);
+            }
+        }
+        let coarsening = Coarsening::new(self.set, self.job)?;
+        for _ in 0..MOST_MISSES {
+            let found = coarsening.finest(SEARCH_STEPS, |images| {
+                Ok((self.estimated(images, best_to_quick)? <= most as f64).then(|| images.to_vec()))
+            })?;
+            let Some(images) = found else { break };
+            let page = self.written(&images)?;
+            if page.html.len() as u64 <= most {
+                return Ok(page);
+            }
+            let [rest, chunks] = self.parts(&images)?;
+            best_to_quick = (page.html.len() as f64 - rest) / chunks * BEYOND_MISS;
+        }
+        let coarsest = self.written(&coarsening.coarsest())?;
+        let bytes = coarsest.html.len() as u64;
+        if bytes <= most {
+            return Ok(coarsest);
+        }
         let what = format!(
             "is not written: at its coarsest the page takes {}, more than the {most} that it may",
-            counted(tried_bytes, "byte")
+            counted(bytes, "byte")
         );
-        Error::invalid(&set.name, what)
-    })
+        Err(Error::invalid(&self.set.name, what))
+    }
 }
