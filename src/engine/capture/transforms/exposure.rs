@@ -1,4 +1,4 @@
-//! Colors that are far brighter than white: found, and scaled by one key, so that every output shows them.
+//! Colors that are far brighter than white are said, with the key that scales them.
 
 use half::f16;
 
@@ -6,28 +6,12 @@ use super::cameras::CameraFiles;
 use super::load::{self, NeededPlanes};
 use super::placed_entry::PlacedEntry;
 use crate::capture::pictures::{PictureFormat, format_of};
-use crate::error::{Error, Result};
-
-/// Most stops that a manifest may ask for: half floats hold no more.
-const MOST_STOPS: f64 = 24.0;
 
 /// A picture whose median pixel is brighter than this, linear, is white nearly everywhere in 8 bits.
 const FAR_OVER_WHITE: f32 = 16.0;
 
 /// The brightness that the median pixel is to have.
 const MIDDLE: f32 = 0.35;
-
-/// What colors are multiplied by, for the manifest's key in stops.
-///
-/// # Errors
-/// `Invalid` for stops beyond ±24, and what is no number.
-pub(super) fn factor(stops: Option<f64>, place: &str) -> Result<f32> {
-    let stops = stops.unwrap_or(0.0);
-    if !(stops.abs() <= MOST_STOPS) {
-        return Err(Error::invalid(place, format!("exposure is {stops}; give stops from -24 to 24")));
-    }
-    Ok(stops.exp2() as f32)
-}
 
 /// A warning where the first picture is far brighter than white, with the key that scales all of them. Formats of whole numbers end at
 /// white. What cannot be read is told where it is needed.

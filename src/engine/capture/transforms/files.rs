@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use super::depth_camera::DepthCamera;
-use super::exposure;
 use super::manifest::{Keys, Manifest, NormalSpaceName};
 use super::raw_video::RawVideo;
 use super::same_camera::SimilarNames;
@@ -64,6 +63,21 @@ pub(crate) struct PictureFiles {
     pub are_colors_named: bool,
     /// Which rows are meant of a picture that is shown turned, if known.
     pub rows: Option<PictureRows>,
+}
+
+/// Most stops that a manifest may ask for: half floats hold no more.
+const MOST_STOPS: f64 = 24.0;
+
+/// What colors are multiplied by, for the manifest's key in stops.
+///
+/// # Errors
+/// `Invalid` for stops beyond ±24, and what is no number.
+fn color_factor(stops: Option<f64>, place: &str) -> Result<f32> {
+    let stops = stops.unwrap_or(0.0);
+    if !(stops.abs() <= MOST_STOPS) {
+        return Err(Error::invalid(place, format!("exposure is {stops}; give stops from -24 to 24")));
+    }
+    Ok(stops.exp2() as f32)
 }
 
 /// The kind of depth that the manifest names; `None` where it names none.
@@ -151,7 +165,7 @@ impl PictureFiles {
             normal_space,
             raw_video: RawVideo::new(&keys.raw_video, depth_kind, place)?,
             is_linear: keys.color_space.as_deref().map(is_linear),
-            color_factor: exposure::factor(keys.exposure, place)?,
+            color_factor: color_factor(keys.exposure, place)?,
             uses_alpha: keys.use_alpha.unwrap_or(true),
             are_colors_named: keys.color_space.as_deref().is_some_and(are_rec_709),
             rows: keys.picture_orientation,
