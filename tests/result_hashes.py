@@ -66,7 +66,7 @@ def print_points(path):
 
 
 def print_samples(path):
-    """All chunks but settings, report and provenance, and the index without offsets in the file; see FORMAT.md."""
+    """All chunks but settings, report, provenance and verdicts on dropped pixels, and the index without offsets in the file; see FORMAT.md."""
     store = Path(path).read_bytes()
     at = 12
     while at < len(store):
@@ -75,7 +75,7 @@ def print_samples(path):
         at += 8 + length + length % 2
         if name == b"INDX":
             payload = index_without_offsets(payload)
-        if name not in (b"SETT", b"REPT", b"RPTZ", b"PROV"):
+        if name not in (b"SETT", b"REPT", b"RPTZ", b"PROV", b"VERD"):
             sys.stdout.buffer.write(name + payload)
 
 
