@@ -18,8 +18,10 @@ fn with_colors() -> Window {
     window
 }
 
-/// Mean of the pixels of a part of the window, 0 to 255.
+/// Mean of the pixels of a part of the window, 0 to 255, while no view marks the pixel under the pointer.
 fn brightness(window: &mut Window, name: &str) -> f64 {
+    window.hover_at(egui::pos2(SIZE[0] / 2.0, 12.0));
+    window.run_steps(3);
     let area = window.get_by_label(name).rect();
     let [x, y, width, height] = [area.min.x, area.min.y, area.width(), area.height()].map(|side| side as u32);
     let whole = image::DynamicImage::ImageRgba8(window.render().unwrap());

@@ -24,7 +24,7 @@ fn cameras_are_ranked_until_an_edit_or_a_setting_changes_and_a_stopped_ranking_g
     if known < 3 {
         let told = format!("After {known} of 3 cameras; Resume measures the rest.");
         assert!(app.notices().iter().any(|notice| notice.ends_with(&told)), "{:?}", app.notices());
-        assert!(view_says(&app.state, DockView::Cameras, "Resume"));
+        assert!(app.state.doc.charts.goes_on(Study::Ranking, &app.state.settings));
     }
     app.apply(rank.clone());
     settle(&mut app);

@@ -8,7 +8,7 @@ use egui_material_icons::icons::{ICON_CLOSE, ICON_PHOTO_LIBRARY};
 use crate::app::model::command::{ChartCommand, EditCommand, SourceCommand};
 use crate::app::model::{self, Command, Commands, OpenScene, State};
 use crate::app::rooms::charts::state::Study;
-use crate::app::rooms::charts::ui::parts::{no_points_ui, study_button};
+use crate::app::rooms::charts::ui::parts::no_points_ui;
 use crate::app::rooms::charts::ui::tuning::signed;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{bare_icon_button, dot, note, weak};
@@ -32,8 +32,6 @@ pub(super) fn ranking_ui(ui: &mut Ui, state: &State, scene: &OpenScene, commands
         ui.label(RichText::new("Most needless first").strong());
         if charts.under_way() == Some(Study::Ranking) && !charts.ranking.is_empty() {
             ui.add(egui::Spinner::new().size(14.0));
-        } else if charts.goes_on(Study::Ranking, &state.settings) {
-            study_button(ui, state, Study::Ranking, commands);
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if bare_icon_button(ui, ICON_CLOSE, "Close the ranking").clicked() {
