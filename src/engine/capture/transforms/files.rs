@@ -74,7 +74,7 @@ const MOST_STOPS: f64 = 24.0;
 /// `Invalid` for stops beyond ±24, and what is no number.
 fn color_factor(stops: Option<f64>, place: &str) -> Result<f32> {
     let stops = stops.unwrap_or(0.0);
-    if !(stops.abs() <= MOST_STOPS) {
+    if !stops.is_finite() || stops.abs() > MOST_STOPS {
         return Err(Error::invalid(place, format!("exposure is {stops}; give stops from -24 to 24")));
     }
     Ok(stops.exp2() as f32)

@@ -242,13 +242,16 @@ pub(crate) struct KeyFigure {
 /// The note on what is known of the frame that is shown, until the whole capture is pruned.
 const THIS_FRAME: &str = "this frame";
 
+/// The note on figures of other settings than those on the sliders.
+const STALE: &str = "out of date";
+
 /// Width of the bars beside the figures at most, points; as many again as figures need are theirs first.
 const CAUSES_MOST: f32 = 640.0;
 
 pub(crate) fn totals_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let figures = figures(state);
     let account = state.report().map(Report::pixel_account).or(account_here(state));
-    let (needed, spare) = widths(ui, &figures);
+    let (needed, spare) = widths(ui, &figures, state.has_capture());
     let bars = if account.is_some() { spare.min(CAUSES_MOST) } else { 0.0 };
     let more = (spare - bars) / figures.len().max(1) as f32;
     ui.horizontal_centered(|ui| {
@@ -268,8 +271,9 @@ pub(crate) fn totals_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// What each figure needs, and what is left beside them.
-fn widths(ui: &Ui, figures: &[KeyFigure]) -> (Vec<f32>, f32) {
+/// What each figure needs, and what is left beside them. Where figures may become out of date there is room for saying so, so that nothing
+/// moves then.
+fn widths(ui: &Ui, figures: &[KeyFigure], may_be_stale: bool) -> (Vec<f32>, f32) {
     let styles = (figure_style().resolve(ui.style()), egui::TextStyle::Small.resolve(ui.style()));
     let width_of = |text: &str, font: &egui::FontId| {
         ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::PLACEHOLDER).size().x
@@ -277,7 +281,9 @@ fn widths(ui: &Ui, figures: &[KeyFigure]) -> (Vec<f32>, f32) {
     let needed: Vec<f32> = figures
         .iter()
         .map(|figure| {
-            let line = width_of(&figure.value, &styles.0) + GAP + width_of(&figure.note, &styles.1);
+            let stale = if may_be_stale { width_of(STALE, &styles.1) } else { 0.0 };
+            let note = width_of(&figure.note, &styles.1).max(stale);
+            let line = width_of(&figure.value, &styles.0) + GAP + note;
             line.max(width_of(figure.name, &styles.1)) + MARGIN
         })
         .collect();
@@ -291,7 +297,7 @@ fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
     ui.set_max_width(ui.available_width() - MARGIN);
     ui.spacing_mut().item_spacing = vec2(GAP, 1.0);
     let name = RichText::new(figure.name).small().color(tokens.text_weak);
-    let note = if stale { "out of date" } else { &figure.note };
+    let note = if stale { STALE } else { &figure.note };
     let color = if stale { tokens.text_weak } else { tokens.text };
     let response = ui
         .vertical(|ui| {
