@@ -1,8 +1,11 @@
 //! `overlook export video`: films that other programs play, on machines without any other program.
 
+use std::io::Cursor;
 use std::path::Path;
 use std::process::Output;
 
+use image::codecs::gif::GifDecoder;
+use image::{AnimationDecoder, Frame, Rgba};
 use rusty_h264_decoder::Decoder;
 use serde_json::json;
 
@@ -211,6 +214,38 @@ fn two_stores_are_compared_by_a_line_that_crosses_once_or_in_turn() {
     let words = said(&refused);
     assert!(words.contains("short.ovl: has no frame 2, which scene.ovl shows"), "{words}");
     assert!(words.trim().lines().count() == 1 && !folder.join("none.mp4").exists(), "{words}");
+}
+
+#[test]
+fn a_gif_shows_the_pictures_of_the_film_for_as_long_and_without_end() {
+    let folder = stored("3", [64, 48]);
+    let folder = folder.path();
+    let written = film(folder, &["--out", "film.gif"]);
+    assert!(written.status.success(), "{}", said(&written));
+    let bytes = std::fs::read(folder.join("film.gif")).unwrap();
+    assert!(bytes.windows(11).any(|window| window == b"NETSCAPE2.0"), "it repeats");
+    let frames = GifDecoder::new(Cursor::new(bytes)).unwrap().into_frames().collect_frames().unwrap();
+    let pictures = ["export", "pictures", "scene.ovl", "--path", "path.json", "--backend", "cpu"];
+    succeed(overlook(folder, &[&pictures[..], &["--out", "pictures"]].concat()));
+    let mut shown: Vec<_> =
+        std::fs::read_dir(folder.join("pictures")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    shown.retain(|path| path.extension().is_some_and(|extension| extension == "png"));
+    shown.sort();
+    assert_eq!(frames.len(), shown.len());
+    let milliseconds = |frame: &Frame| f64::from(frame.delay().numer_denom_ms().0);
+    let lasts: f64 = frames.iter().map(milliseconds).sum();
+    assert!((lasts - frames.len() as f64 * 1000.0 / 24.0).abs() <= 10.0, "{lasts} ms");
+    for (frame, path) in frames.iter().zip(&shown) {
+        let (own, expected) = (frame.buffer(), image::open(path).unwrap().to_rgba8());
+        assert_eq!(own.dimensions(), expected.dimensions());
+        let apart = |(a, b): (&Rgba<u8>, &Rgba<u8>)| {
+            (0..3).map(|c| f64::from(a.0[c].abs_diff(b.0[c]))).sum::<f64>() / 3.0
+        };
+        let mean = own.pixels().zip(expected.pixels()).map(apart).sum::<f64>() / (64.0 * 48.0);
+        assert!(mean < 4.0, "{mean} of 255");
+    }
+    let refused = film(folder, &["--fps", "60", "--out", "quick.gif"]);
+    assert!(said(&refused).contains("at most 50 pictures a second") && !folder.join("quick.gif").exists());
 }
 
 #[test]

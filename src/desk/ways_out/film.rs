@@ -9,7 +9,7 @@ pub(crate) const WAY: WayOut = WayOut {
     used: "A video along the camera path, which everybody can play.",
     button: "Make the video…",
     command: "video",
-    about: "A video along a camera path, as MP4",
+    about: "A video along a camera path, as MP4 or GIF",
     kind: |_| &VIDEO,
     size,
     write: None,
@@ -17,7 +17,7 @@ pub(crate) const WAY: WayOut = WayOut {
 
 /// A film of the camera path.
 pub(crate) const VIDEO: FileKind =
-    FileKind { needs: Needs::Film, ..FileKind::of_samples("Share a video", &["mp4", "m4v"], "video") };
+    FileKind { needs: Needs::Film, ..FileKind::of_samples("Share a video", &["mp4", "m4v", "gif"], "video") };
 
 /// Bytes of a video for each byte of its pictures as PNG, measured with x264 at a quality like that of ours, on videos from one camera to
 /// the next (0.06 to 0.1).

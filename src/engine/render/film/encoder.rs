@@ -1,4 +1,4 @@
-//! A film file: H.264 in MP4.
+//! A film file: H.264 in MP4, or an animated GIF.
 
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
@@ -8,6 +8,7 @@ use rusty_h264_common::YuvPlanes;
 use rusty_h264_encoder::{Encoder, EncoderConfig, Preset};
 use tempfile::TempPath;
 
+use super::gif::GifFilm;
 use super::h264;
 use super::mp4::{self, Track};
 use crate::color::srgb8_from_linear;
@@ -43,7 +44,66 @@ const LEVELS: [(u8, usize, f64); 10] = [
 
 /// A film that takes one picture after another. It takes its name when it is complete: dropped before [`FilmEncoder::finish`] it
 /// leaves nothing behind, and an earlier file of that name stays.
-pub struct FilmEncoder {
+pub struct FilmEncoder(Coder);
+
+/// By the ending of the film's name.
+enum Coder {
+    Mp4(Box<Mp4Film>),
+    Gif(Box<GifFilm>),
+}
+
+impl FilmEncoder {
+    /// Starts a film of `width` by `height` pixels at `out`, as in `film.mp4` or `film.gif`. A side with an odd number of pixels is one
+    /// longer in MP4, whose last pixel is there twice.
+    ///
+    /// # Errors
+    /// `Unsupported` for another extension than `.mp4`, `.m4v` or `.gif`, and for sides beyond 16384 pixels or pictures of more than 35
+    /// million in MP4, and for more than 50 pictures a second in GIF; `Io` where the folder cannot be written.
+    pub fn start(out: &Path, size: [usize; 2], frames_per_second: f64) -> Result<Self> {
+        let extension = out.extension().unwrap_or_default().to_ascii_lowercase();
+        Ok(Self(match extension.to_str() {
+            Some("gif") => Coder::Gif(Box::new(GifFilm::start(out, size, frames_per_second)?)),
+            Some("mp4" | "m4v") => Coder::Mp4(Box::new(Mp4Film::start(out, size, frames_per_second)?)),
+            _ => {
+                let what = "videos are written as MP4 or GIF; name it with .mp4 or .gif, or export pictures for another program";
+                return Err(Error::unsupported(out.display(), what));
+            }
+        }))
+    }
+
+    /// Tells players that the pictures are equirectangular, so that they show a part to look around in; a GIF cannot say so.
+    pub fn mark_equirectangular(&mut self) {
+        if let Coder::Mp4(film) = &mut self.0 {
+            film.track.is_equirectangular = true;
+        }
+    }
+
+    /// Adds a picture of the size given at the start. Holes are black.
+    ///
+    /// # Errors
+    /// `Invalid` for a picture of another size, `Io` where the disk is full.
+    pub fn add(&mut self, picture: &Picture) -> Result<()> {
+        match &mut self.0 {
+            Coder::Mp4(film) => film.add(picture),
+            Coder::Gif(film) => film.add(picture),
+        }
+    }
+
+    /// Completes the film.
+    ///
+    /// # Errors
+    /// `Io` where the disk is full or the film cannot take its name; `Cancelled`.
+    pub fn finish(self, job: &Job) -> Result<()> {
+        job.check()?;
+        match self.0 {
+            Coder::Mp4(film) => film.finish(),
+            Coder::Gif(film) => film.finish(),
+        }
+    }
+}
+
+/// A film as H.264 in MP4.
+struct Mp4Film {
     encoder: Encoder,
     track: Track,
     /// The coded pictures, until the index before them is known.
@@ -52,19 +112,8 @@ pub struct FilmEncoder {
     out: PathBuf,
 }
 
-impl FilmEncoder {
-    /// Starts a film of `width` by `height` pixels at `out`, as in `film.mp4`. A side with an odd number of pixels is one longer in the
-    /// film, whose last pixel is there twice.
-    ///
-    /// # Errors
-    /// `Unsupported` for another extension than `.mp4` or `.m4v` and for sides beyond 16384 pixels or pictures of more than 35 million;
-    /// `Io` where the folder cannot be written.
-    pub fn start(out: &Path, size: [usize; 2], frames_per_second: f64) -> Result<Self> {
-        let extension = out.extension().unwrap_or_default().to_ascii_lowercase();
-        if extension != "mp4" && extension != "m4v" {
-            let what = "videos are written as MP4; name it with .mp4, or export pictures for another program";
-            return Err(Error::unsupported(out.display(), what));
-        }
+impl Mp4Film {
+    fn start(out: &Path, size: [usize; 2], frames_per_second: f64) -> Result<Self> {
         let [width, height] = size.map(|side| side.next_multiple_of(2));
         let too_large = || {
             let what = format!("no video can have {}×{} pixels; make it smaller", size[0], size[1]);
@@ -107,16 +156,7 @@ impl FilmEncoder {
         })
     }
 
-    /// Tells players that the pictures are equirectangular, so that they show a part to look around in.
-    pub fn mark_equirectangular(&mut self) {
-        self.track.is_equirectangular = true;
-    }
-
-    /// Adds a picture of the size given at the start. Holes are black.
-    ///
-    /// # Errors
-    /// `Invalid` for a picture of another size, `Io` where the disk is full.
-    pub fn add(&mut self, picture: &Picture) -> Result<()> {
+    fn add(&mut self, picture: &Picture) -> Result<()> {
         let size = self.track.size.map(usize::from);
         let given = [picture.color.width(), picture.color.height()];
         let planes = Planes::of(picture, size);
@@ -154,12 +194,7 @@ impl FilmEncoder {
         Ok(())
     }
 
-    /// Completes the film.
-    ///
-    /// # Errors
-    /// `Io` where the disk is full or the film cannot take its name; `Cancelled`.
-    pub fn finish(self, job: &Job) -> Result<()> {
-        job.check()?;
+    fn finish(self) -> Result<()> {
         let write = || {
             let mut coded = self.coded.into_inner().map_err(std::io::IntoInnerError::into_error)?;
             coded.rewind()?;

@@ -2,6 +2,7 @@
 
 mod compared;
 mod encoder;
+mod gif;
 mod h264;
 mod mp4;
 mod path;
