@@ -372,7 +372,7 @@ impl PicturesArgs {
 pub(crate) struct VideoArgs {
     #[command(flatten)]
     film: FilmArgs,
-    /// The video file, as in video.mp4: H.264, which every player and browser shows; as in video.gif: an animated GIF, several times as large.
+    /// The video file, as in video.mp4: H.264, which every player and browser shows; as in video.gif: an animated GIF, some four times as large.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Frames a second.
