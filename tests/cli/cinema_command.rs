@@ -36,6 +36,7 @@ fn a_database_is_as_the_specification_says_and_opens_again_as_a_capture_with_the
     assert_eq!(names.len(), columns.len());
     let first_file = columns.iter().position(|column| column.starts_with("FILE")).unwrap();
     assert!(columns[first_file..].iter().all(|column| column.starts_with("FILE")));
+    assert_eq!(columns.last().unwrap(), "FILE", "viewers show the last file of a row");
     assert!(rows.len() == 24 && rows.iter().all(|row| row.len() == columns.len()));
     for row in rows {
         assert!(
@@ -58,7 +59,7 @@ fn a_database_is_as_the_specification_says_and_opens_again_as_a_capture_with_the
         let half = 0.5 * number(row, "view_angle").to_radians();
         assert!((camera.intrinsics.fy - 30.0 / half.tan()).abs() < 1e-9);
     }
-    let written = image::open(folder.join("scene.cdb").join(&rows[0][first_file])).unwrap().to_rgb8();
+    let written = image::open(folder.join("scene.cdb").join(rows[0].last().unwrap())).unwrap().to_rgb8();
     let frame = opened.frame(0, 0).unwrap();
     for (x, y, pixel) in written.enumerate_pixels() {
         let read = frame.color[(x as usize, y as usize)].map(half::f16::to_f32);

@@ -153,8 +153,8 @@ pub(crate) const PICTURE_FILE: &str = "FILE";
 /// The column of depth: planar, in the unit of positions.
 pub(crate) const DEPTH_FILE: &str = "FILE_depth";
 
-/// The columns of a database that is written here.
-const COLUMNS: &str = "time,phi,theta,position_x,position_y,position_z,focal_point_x,focal_point_y,focal_point_z,up_x,up_y,up_z,view_angle,FILE,FILE_depth";
+/// The columns of a database that is written here. Viewers show the last one of files: pictures, not depth.
+const COLUMNS: &str = "time,phi,theta,position_x,position_y,position_z,focal_point_x,focal_point_y,focal_point_z,up_x,up_y,up_z,view_angle,FILE_depth,FILE";
 
 /// A picture of a database that is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,7 +179,7 @@ pub fn write_table(folder: &Path, rows: &[DatabaseRow]) -> Result<()> {
         let points = [camera.position, camera.focal_point, camera.up];
         let places = points.map(|point| format!("{},{},{}", point.x, point.y, point.z)).join(",");
         // A string takes all that is written.
-        let _ = writeln!(text, "{time},{phi},{theta},{places},{},{picture},{depth}", camera.view_angle);
+        let _ = writeln!(text, "{time},{phi},{theta},{places},{},{depth},{picture}", camera.view_angle);
     }
     whole_file::write_all(&folder.join(DATA), &text)
 }
