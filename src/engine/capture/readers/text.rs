@@ -21,8 +21,7 @@ pub(super) struct TextLine<'a> {
     pub number: usize,
     /// Its fields; there is one at least.
     pub fields: Vec<&'a str>,
-    /// Whether commas look like decimal ones: several of the words between spaces are two whole numbers with a comma between them.
-    has_decimal_commas: bool,
+    text: &'a str,
 }
 
 impl TextFile {
@@ -55,10 +54,10 @@ impl TextFile {
             let separates = |letter: char| letter.is_whitespace() || letter == ',';
             let fields: Vec<&str> = text.split(separates).filter(|field| !field.is_empty()).collect();
             let is_data = !fields.is_empty() && !text.starts_with('#');
-            let has_decimal_commas = has_decimal_commas(text);
-            is_data.then_some(TextLine { path: &self.path, number: index + 1, fields, has_decimal_commas })
+            is_data.then_some(TextLine { path: &self.path, number: index + 1, fields, text })
         })
     }
+
     /// All numbers of the file in their order.
     ///
     /// # Errors
@@ -86,8 +85,8 @@ fn has_decimal_commas(line: &str) -> bool {
         })
     };
     let words = || line.split(|letter: char| letter.is_whitespace() || letter == ';');
-    let with_commas = words().filter(|word| word.contains(',')).count();
-    with_commas >= 2 && words().filter(|word| is_decimal(word)).count() == with_commas
+    let with_commas = words().filter(|word| word.contains(','));
+    with_commas.clone().count() >= 2 && with_commas.clone().all(is_decimal)
 }
 
 impl TextLine<'_> {
@@ -103,7 +102,7 @@ impl TextLine<'_> {
 
     /// Refuses decimal commas: they would make two numbers of one.
     fn check_commas(&self) -> Result<()> {
-        if self.has_decimal_commas {
+        if has_decimal_commas(self.text) {
             return Err(self.error("numbers have decimal commas; write them with points, as in 0.5"));
         }
         Ok(())

@@ -2,9 +2,8 @@
 
 use half::f16;
 
-use super::cameras::CameraFiles;
-use super::load::{self, NeededPlanes};
-use super::placed_entry::PlacedEntry;
+use super::source::FileSource;
+use crate::capture::parts::Capture;
 use crate::capture::pictures::{PictureFormat, format_of};
 
 /// A picture whose median pixel is brighter than this, linear, is white nearly everywhere in 8 bits.
@@ -14,14 +13,13 @@ const FAR_OVER_WHITE: f32 = 16.0;
 const MIDDLE: f32 = 0.35;
 
 /// A warning where the first picture is far brighter than white, with the key that scales all of them. Formats of whole numbers end at
-/// white. What cannot be read is told where it is needed.
-pub(super) fn warning(recording: &CameraFiles) -> Option<String> {
-    let (camera, PlacedEntry { files, place, .. }) =
-        recording.cameras.first().zip(recording.entries.first().and_then(|entries| entries.first()))?;
-    if !matches!(format_of(&files.color, place), Ok(PictureFormat::Exr | PictureFormat::Tiff)) {
+/// white. The picture is one that was decoded for its depth before. What cannot be read is told where it is needed.
+pub(super) fn warning(capture: &Capture, source: &FileSource) -> Option<String> {
+    let entry = source.first_entry()?;
+    if !matches!(format_of(&entry.files.color, &entry.place), Ok(PictureFormat::Exr | PictureFormat::Tiff)) {
         return None;
     }
-    let frame = load::frame(files, camera, place, NeededPlanes::ColorOnly).ok()?;
+    let frame = capture.frame(0, 0).ok()?;
     let brightest = |color: &[f16; 3]| color.iter().map(|channel| channel.to_f32()).fold(0.0, f32::max);
     let mut seen: Vec<f32> = frame.color.as_slice().iter().map(brightest).collect();
     let middle = seen.len() / 2;
@@ -32,7 +30,7 @@ pub(super) fn warning(recording: &CameraFiles) -> Option<String> {
         format!(
             "half of the pixels of camera '{}' are more than {median:.0} times as bright as white: pictures of 8 bits, films and pages show \
              them white, and their colors count as equal; write \"exposure\": {stops} in the manifest to scale all colors by so many stops",
-            camera.name
+            capture.cameras[0].name
         )
     })
 }

@@ -143,7 +143,6 @@ fn open_manifest(
     let keys = || recording.entries.iter().flatten().map(|entry| &entry.keys);
     warnings.extend(unknown_color_spaces(keys()));
     warnings.extend(scaled_poses(keys()));
-    warnings.extend(exposure::warning(&recording));
     let up_in_world = up_in_world(keys(), path)?;
     // Renderers filter color unless the manifest denies it.
     let antialiased_color = keys().any(|keys| keys.antialiased_color.unwrap_or(true));
@@ -166,7 +165,10 @@ fn open_manifest(
         settings.memory as usize * 1024 * 1024,
     );
     depth_presence::refuse_without_depth(&capture, &source)?;
-    Ok(capture)
+    Ok(match exposure::warning(&capture, &source) {
+        Some(warning) => capture.with_warning(warning),
+        None => capture,
+    })
 }
 
 /// Reads vantages, and where the pictures exist their truth, from a manifest of the same form, or another list of viewpoints (see
