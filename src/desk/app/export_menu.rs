@@ -8,7 +8,7 @@ use crate::app::model::purpose::{Purpose, Table, TableForm};
 use crate::app::model::window::{Area, DockView};
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::charts::state::Study;
-use crate::app::rooms::charts::ui::parts::{chart_commands, study_button};
+use crate::app::rooms::charts::ui::parts::chart_commands;
 use crate::app::rooms::report::table_text;
 use crate::app::widgets::{NARROW, note};
 
@@ -34,9 +34,6 @@ fn contents(view: DockView) -> (Option<Study>, &'static [Table]) {
 
 /// The button, where the view has something to export.
 pub(crate) fn export_ui(ui: &mut Ui, view: DockView, state: &State, commands: &mut Commands) {
-    if view == DockView::Cameras {
-        return study_button(ui, state, Study::Ranking, commands);
-    }
     let (study, tables) = contents(view);
     let is_there = |table: &&Table| table_text(**table, TableForm::Csv, state).is_some();
     if tables.is_empty() {

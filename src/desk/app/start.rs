@@ -14,6 +14,8 @@ use crate::app::model::purpose::Purpose;
 use crate::app::model::window::DockView;
 use crate::app::model::{Command, Commands, State, Stopwatch};
 use crate::app::pace::{LeastPeriod, PacedWindow};
+use crate::app::rooms::charts::state::Study;
+use crate::app::rooms::charts::ui::parts::study_button;
 use crate::app::rooms::help::ui::palette::palette_ui;
 use crate::app::rooms::{
     charts, files, frame, help, live, readings, report, settings, share, source, timeline,
@@ -160,6 +162,9 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
                     (DockPart::Contents, _) => view_ui(ui, view, state, commands),
                     (DockPart::TabBar, DockView::Source) => source::ui::cameras_ui(ui, state, commands),
                     (DockPart::TabBar, DockView::Live) => live::ui::go_to_camera_ui(ui, state, commands),
+                    (DockPart::TabBar, DockView::Cameras) => {
+                        study_button(ui, state, Study::Ranking, commands)
+                    }
                     (DockPart::TabBar, view) => export_ui(ui, view, state, commands),
                 });
                 commands.extend(resized.map(|view| Command::Window(WindowCommand::Maximize(Some(view)))));

@@ -80,6 +80,10 @@ fn a_click_on_the_room_says_why_its_sample_was_kept_and_a_dropped_pixel_names_th
         wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
         let probed = app.state.doc.probe.shown.clone().unwrap();
         let explanation = probed.explanation.as_ref().expect("the room says why");
+        assert!(
+            explanation.verdict.is_kept() || probed.point_in_world.is_none(),
+            "a dropped sample has no depth here"
+        );
         kept += usize::from(explanation.verdict.is_kept());
         replaced += usize::from(
             !explanation.verdict.is_kept() && explanation.winner.is_some_and(|winner| winner != 4),

@@ -138,11 +138,8 @@ pub(crate) fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> 
 pub(crate) fn inspect(request: InspectRequest, job: &Job) -> Result<Message> {
     let InspectRequest { scene, scan, settings: Method(settings), frame } = request;
     let known = scan.as_deref().map(|scan| &**scan);
-    let of_store = match scene.playback() {
-        Some(playback) => inspect_stored_frame(playback, frame, job)?,
-        None => None,
-    };
-    let inspection = match of_store {
+    let stored = scene.playback().map(|playback| inspect_stored_frame(playback, frame, job)).transpose()?;
+    let inspection = match stored.flatten() {
         Some(inspection) => inspection,
         None => preprocess::inspect_frame(scene.source()?, known, &settings, frame, job)?,
     };

@@ -82,7 +82,7 @@ fn heads_ui(ui: &mut Ui, ranking: &[CameraWorth]) {
             "The share of all seen surfaces that no other camera shows, at half of its sharpness or better.",
         ),
         ("Accuracy", accuracy),
-        ("Store", "Bytes of the store without this camera."),
+        ("Store", "Bytes of the store more (+) or fewer (−) without this camera."),
         ("", ""),
     ];
     for (name, help) in columns {
