@@ -28,9 +28,9 @@ use crate::samples::SampleSet;
 use crate::store::file::Store;
 use crate::whole_file;
 
-pub(crate) use budget::{Coarsening, LeveledImage};
 use chunks::{BEST, Packed, QUICK};
 
+pub(crate) use budget::{Coarsening, LeveledImage};
 pub(crate) use chunks::gzipped;
 
 pub use budget::coarsened;

@@ -1,7 +1,7 @@
 //! A film file: an animated GIF, for pages and slides that play no video.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use image::codecs::gif::{GifEncoder, Repeat};
@@ -19,12 +19,16 @@ const MOST_A_SECOND: f64 = 50.0;
 /// The longest side that the format can name, pixels.
 const LONGEST_SIDE: usize = u16::MAX as usize;
 
+/// The byte that every GIF ends with.
+const TRAILER: u8 = 0x3b;
+
 /// How thoroughly the 256 colors of a picture are chosen: 1 takes longest, 30 is quickest.
 const SPEED: i32 = 3;
 
 /// A GIF that takes one picture after another, and repeats without end.
 pub(super) struct GifFilm {
-    encoder: GifEncoder<BufWriter<File>>,
+    /// Unbuffered, so that no error of writing is lost when it is dropped.
+    encoder: GifEncoder<File>,
     size: [usize; 2],
     frames_per_second: f64,
     pictures: u32,
@@ -46,7 +50,7 @@ impl GifFilm {
         }
         let unfinished = whole_file::beside(out, ".gif")?.into_temp_path();
         let file = File::create(&unfinished).map_err(|error| Error::io(out, error))?;
-        let mut encoder = GifEncoder::new_with_speed(BufWriter::new(file), SPEED);
+        let mut encoder = GifEncoder::new_with_speed(file, SPEED);
         encoder.set_repeat(Repeat::Infinite).map_err(|error| failed(out, error))?;
         Ok(Self { encoder, size, frames_per_second, pictures: 0, unfinished, out: out.to_path_buf() })
     }
@@ -77,8 +81,17 @@ impl GifFilm {
 
     /// As [`FilmEncoder::finish`](super::FilmEncoder::finish).
     pub(super) fn finish(self) -> Result<()> {
-        // The encoder writes the end of the file as it goes.
+        // The encoder writes the last byte as it goes, and tells no error.
         drop(self.encoder);
+        let last_byte = || -> std::io::Result<u8> {
+            let (mut file, mut last) = (File::open(&self.unfinished)?, [0]);
+            file.seek(SeekFrom::End(-1))?;
+            file.read_exact(&mut last)?;
+            Ok(last[0])
+        };
+        if last_byte().map_err(|error| Error::io(&self.out, error))? != TRAILER {
+            return Err(Error::io(&self.out, std::io::ErrorKind::StorageFull.into()));
+        }
         whole_file::persist(self.unfinished, &self.out)
     }
 }
