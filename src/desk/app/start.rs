@@ -163,7 +163,7 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
                     (DockPart::TabBar, DockView::Source) => source::ui::cameras_ui(ui, state, commands),
                     (DockPart::TabBar, DockView::Live) => live::ui::go_to_camera_ui(ui, state, commands),
                     (DockPart::TabBar, DockView::Cameras) => {
-                        study_button(ui, state, Study::Ranking, commands)
+                        study_button(ui, state, Study::Ranking, commands);
                     }
                     (DockPart::TabBar, view) => export_ui(ui, view, state, commands),
                 });
