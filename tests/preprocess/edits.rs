@@ -65,6 +65,27 @@ fn is_in(region: &Region, point: DVec3) -> bool {
 }
 
 #[test]
+fn each_edit_counts_what_it_takes_from_what_those_before_it_left() {
+    let set = pruned(&moving_capture()).samples;
+    let around = |radius| Region::Sphere { center: [0.0, 0.0, 0.5], radius };
+    let mut edits = list([
+        (Action::Delete, around(0.9)),
+        (Action::Delete, around(1.3)),
+        (Action::Restore, Region::HalfSpace { point: [0.0, 0.0, 0.2], normal: [0.0, 0.0, 1.0] }),
+        (Action::Delete, around(1.6)),
+        (Action::KeepOnly, around(2.0)),
+        (Action::LeaveOut, Region::Cameras(vec![set.cameras[1].name.clone()])),
+    ]);
+    edits.edits[1].frames = Some([set.frame_numbers[1]; 2]);
+    edits.edits[3].is_on = false;
+    let counts = edit_samples(&set, &edits, None, "test", &Job::new()).unwrap().1;
+    let left = |first: usize| edited(&set, &EditList { edits: edits.edits[..first].to_vec() }).sample_count();
+    let expected: Vec<i64> = (0..edits.edits.len()).map(|n| left(n) as i64 - left(n + 1) as i64).collect();
+    assert_eq!(counts, expected);
+    assert!(counts[0] > 0 && counts[2] < 0 && counts[3] == 0 && counts[5] > 0, "{counts:?}");
+}
+
+#[test]
 fn nothing_is_left_inside_of_what_is_deleted_and_keeping_alone_is_deleting_the_rest() {
     let set = pruned(&moving_capture()).samples;
     let viewpoint = Viewpoint::of(&set.cameras[1]);

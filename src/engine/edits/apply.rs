@@ -69,12 +69,17 @@ pub struct EditedImages {
     pub dropped: u64,
     /// Pixels, over all frames, that deleted samples stood for.
     pub dropped_pixels: u64,
+    /// How many samples each edit of the list took from what those that act before it left; negative where it brought some back or split
+    /// them by time.
+    pub taken: Vec<i64>,
     /// Whether anything changed.
     pub is_changed: bool,
 }
 
 /// An edit made ready for one camera.
 struct SampleEdit {
+    /// Its index among the edits that act, in the order in which they do.
+    nth: usize,
     action: Action,
     /// Indices of frames; `None` for all.
     frames: Option<Range<usize>>,
@@ -84,7 +89,7 @@ struct SampleEdit {
 
 impl SampleEdit {
     /// `None` where the edit changes nothing of the camera.
-    fn new(edit: &Edit, context: RegionContext<'_>, frame_numbers: &[i64]) -> Option<Self> {
+    fn new(nth: usize, edit: &Edit, context: RegionContext<'_>, frame_numbers: &[i64]) -> Option<Self> {
         let test = RegionTest::new(&edit.region, context);
         let is_idle = match (edit.action, &test) {
             (Action::KeepOnly, RegionTest::Constant(inside)) => *inside,
@@ -96,7 +101,7 @@ impl SampleEdit {
             start..frame_numbers.partition_point(|number| *number <= last).max(start)
         });
         let is_never = frames.as_ref().is_some_and(Range::is_empty);
-        (!is_idle && !is_never).then_some(Self { action: edit.action, frames, reach: edit.reach, test })
+        (!is_idle && !is_never).then_some(Self { nth, action: edit.action, frames, reach: edit.reach, test })
     }
 
     /// The frames of a span that it acts at.
@@ -133,13 +138,14 @@ impl CameraEdits<'_> {
         of_span.filter(|(_, frames)| !frames.is_empty()).collect()
     }
 
-    /// What stays of an image; `own` has the colors that edits ask for.
+    /// What stays of an image; `own` has the colors that edits ask for, and `taken` counts what each edit takes.
     fn left_of(
         &self,
         image: &SampleImage,
         own: &SampleImage,
         votes: &[VoteCounts],
         marks: &[ImageMarks],
+        taken: &mut [i64],
     ) -> Result<Left> {
         let acting = self.acting(image.span);
         if acting.is_empty() {
@@ -152,13 +158,20 @@ impl CameraEdits<'_> {
         let asks_for_normals = acting.iter().any(|(edit, _)| edit.test.asks_for_normals());
         let evidence = Evidence::new(own, votes, marks, asks_for_normals, self.camera)?;
         let mut inside = vec![false; acting.len()];
+        let mut stays = vec![true; segments.len()];
         let mut keep = |sample: &Sample, inside: &[bool]| {
-            let stays_at = |segment: &Range<usize>| {
-                acting.iter().zip(inside).fold(true, |stays, ((edit, frames), inside)| {
-                    let acts = frames.start <= segment.start && segment.end <= frames.end;
-                    if acts { edit.action.leaves(stays, *inside) } else { stays }
-                })
-            };
+            stays.fill(true);
+            let mut parts = 1;
+            for ((edit, frames), inside) in acting.iter().zip(inside) {
+                for (stays, segment) in stays.iter_mut().zip(&segments) {
+                    if frames.start <= segment.start && segment.end <= frames.end {
+                        *stays = edit.action.leaves(*stays, *inside);
+                    }
+                }
+                let left = stays.chunk_by(|one, next| one == next).filter(|run| run[0]).count() as i64;
+                taken[edit.nth] += parts - left;
+                parts = left;
+            }
             let mut open: Option<Range<usize>> = None;
             let mut close = |run: Option<Range<usize>>| {
                 let Some(run) = run else { return };
@@ -171,8 +184,8 @@ impl CameraEdits<'_> {
                 runs[at].1[sample.index] = true;
             };
             let mut is_whole = true;
-            for segment in &segments {
-                if stays_at(segment) {
+            for (segment, stays) in segments.iter().zip(&stays) {
+                if *stays {
                     open = Some(open.map_or(segment.start, |run| run.start)..segment.end);
                 } else {
                     is_whole = false;
@@ -259,26 +272,30 @@ fn cut_as(
     )?;
     let of_camera = |camera| {
         let context = RegionContext { camera, channels: &outline.values, marked: marks.regions() };
-        let ready = in_order.iter().filter_map(|edit| SampleEdit::new(edit, context, &outline.frame_numbers));
+        let numbered = in_order.iter().enumerate();
+        let ready =
+            numbered.filter_map(|(nth, edit)| SampleEdit::new(nth, edit, context, &outline.frame_numbers));
         CameraEdits { rays: PixelRays::of(camera), edits: ready.collect(), camera }
     };
     let cameras: Vec<CameraEdits<'_>> = outline.cameras.iter().map(of_camera).collect();
     let mut left = images.empty_like();
-    let (mut shorter, mut is_changed) = (Vec::new(), false);
+    let (mut shorter, mut is_changed, mut taken) = (Vec::new(), false, vec![0; in_order.len()]);
     for first in (0..images.len()).step_by(BATCH) {
         let batch = (first..images.len().min(first + BATCH)).into_par_iter();
-        let edited: Vec<(Arc<SampleImage>, Left)> = batch
+        let edited: Vec<(Arc<SampleImage>, Left, Vec<i64>)> = batch
             .map(|index| {
                 job.check()?;
                 let image = images.get(index)?;
                 let votes = votes.map_or(&[][..], |votes| votes.of_image(index));
                 let own = own.map_or_else(|| Ok(image.clone()), |own| own.get(index))?;
                 let edits = &cameras[image.camera as usize];
-                let left = edits.left_of(&image, &own, votes, marks.of_image(index))?;
-                Ok((image, left))
+                let mut taken = vec![0; in_order.len()];
+                let left = edits.left_of(&image, &own, votes, marks.of_image(index), &mut taken)?;
+                Ok((image, left, taken))
             })
             .collect::<Result<_>>()?;
-        for (image, of_image) in edited {
+        for (image, of_image, of_edits) in edited {
+            taken.iter_mut().zip(of_edits).for_each(|(taken, more)| *taken += more);
             match of_image {
                 Left::All => left.push(image)?,
                 Left::Parts(parts) => {
@@ -293,6 +310,7 @@ fn cut_as(
     }
     shorter.into_iter().try_for_each(|part| left.join(part))?;
     left.sort();
+    let place_of = |edit: &Edit| in_order.iter().position(|acting| std::ptr::eq(*acting, edit));
     let samples = |images: &ImageBuffer| images.facts().map(|image| image.samples as u64).sum::<u64>();
     let pixels = |images: &ImageBuffer| {
         images.facts().map(|image| image.samples as u64 * image.span.len() as u64).sum::<u64>()
@@ -300,12 +318,14 @@ fn cut_as(
     Ok(EditedImages {
         dropped: samples(images).saturating_sub(samples(&left)),
         dropped_pixels: pixels(images).saturating_sub(pixels(&left)),
+        taken: edits.edits.iter().map(place_of).map(|nth| nth.map_or(0, |nth| taken[nth])).collect(),
         images: left,
         is_changed,
     })
 }
 
-/// What a list leaves of samples in memory, and how many are gone. Votes are those of the set's images.
+/// What a list leaves of samples in memory, and how many each of its edits took ([`EditedImages::taken`]). Votes are those of the set's
+/// images.
 ///
 /// # Errors
 /// As [`cut`].
@@ -315,10 +335,10 @@ pub fn edit_samples(
     votes: Option<&SampleVotes>,
     place: &str,
     job: &Job,
-) -> Result<(SampleSet, u64)> {
-    let EditedImages { images, dropped, .. } =
+) -> Result<(SampleSet, Vec<i64>)> {
+    let EditedImages { images, taken, .. } =
         cut(&ImageBuffer::of(&set.images), set, edits, votes, place, job)?;
-    Ok((SampleSet { images: images.into_images()?, ..set.clone() }, dropped))
+    Ok((SampleSet { images: images.into_images()?, ..set.clone() }, taken))
 }
 
 /// What a list leaves of a set that [`selected`] made of `own`: edits ask for the colors of `own`.

@@ -34,8 +34,7 @@ pub(crate) struct EditedScene {
     pub before: u64,
     /// Those that edits delete.
     pub deleted: u64,
-    /// Samples that each edit of the list takes from those before it; fewer than 0 where it brings some back. Empty where some were done
-    /// before the store was made.
+    /// Samples that each edit of the list takes from those before it; fewer than 0 where it brings some back.
     pub counts: Vec<i64>,
     /// Those of what edits leave that are selected.
     pub selected: u64,

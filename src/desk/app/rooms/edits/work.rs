@@ -33,8 +33,8 @@ impl Wanted for EditKey {
     }
 }
 
-/// A list, and how many samples it leaves.
-type CutLength = (EditList, u64);
+/// What a list leaves of samples, and how many each of its edits took.
+type Cut = (Arc<SampleSet>, Vec<i64>);
 
 /// What is kept between edits: what was read, asked and cut last.
 #[derive(Default)]
@@ -43,10 +43,7 @@ pub(crate) struct SampleEditor {
     read: Option<(u64, Arc<SampleSet>)>,
     /// The votes on samples.
     votes: Option<(Arc<SampleSet>, Arc<SampleVotes>)>,
-    /// What a list leaves of samples.
-    cut: Option<(Arc<SampleSet>, EditList, Arc<SampleSet>)>,
-    /// How many samples the beginnings of lists leave.
-    left: Option<(Arc<SampleSet>, Vec<CutLength>)>,
+    cut: Option<(Arc<SampleSet>, EditList, Cut)>,
 }
 
 impl SampleEditor {
@@ -66,12 +63,12 @@ impl SampleEditor {
         let asks = list.asks_for_votes() || key.selection.as_ref().is_some_and(Region::asks_for_votes);
         let votes = if asks { self.votes(key, &base, job)? } else { None };
         let (votes, place) = (votes.as_deref(), &key.scene.name);
-        let samples = self.cut(&base, &list, votes, place, job)?;
-        let is_whole = list.edits.len() == key.list.edits.len();
-        let counts =
-            if is_whole { self.counts(&base, &list, &samples, votes, place, job)? } else { Vec::new() };
+        let (samples, counts) = self.cut(&base, &list, votes, place, job)?;
+        let mut counted = list.edits.iter().zip(counts).peekable();
+        let mut count_of =
+            |edit: &Edit| counted.next_if(|(left, _)| *left == edit).map_or(0, |(_, count)| count);
         let mut edited = EditedScene {
-            counts,
+            counts: key.list.edits.iter().map(&mut count_of).collect(),
             before: base.sample_count(),
             deleted: base.sample_count().saturating_sub(samples.sample_count()),
             selected: 0,
@@ -91,8 +88,8 @@ impl SampleEditor {
                 edited.shown = Arc::new(edit_tinted(&tinted, &base, &list, votes, place, job)?);
                 let mut without = list;
                 without.edits.push(Edit::new("", Action::Delete, region.clone()));
-                let (rest, _) = edit_samples(&base, &without, votes, place, job)?;
-                edited.selected = edited.samples.sample_count().saturating_sub(rest.sample_count());
+                let (_, taken) = edit_samples(&base, &without, votes, place, job)?;
+                edited.selected = taken.last().map_or(0, |taken| taken.unsigned_abs());
             }
             job.check()?;
             edited.place = place_of_selection(&edited.shown, &edited.samples);
@@ -124,35 +121,6 @@ impl SampleEditor {
         Ok(Some(votes))
     }
 
-    /// How many samples each edit takes from those before it; `cut` is what all of them leave. What a list began with stays known, so that
-    /// one more edit costs nothing.
-    fn counts(
-        &mut self,
-        base: &Arc<SampleSet>,
-        list: &EditList,
-        cut: &SampleSet,
-        votes: Option<&SampleVotes>,
-        place: &str,
-        job: &Job,
-    ) -> Result<Vec<i64>> {
-        let known = self.left.take().filter(|(of, _)| Arc::ptr_eq(of, base)).map(|(_, known)| known);
-        let known = known.unwrap_or_default();
-        let mut left: Vec<CutLength> = Vec::new();
-        for count in 0..=list.edits.len() {
-            let first = EditList { edits: list.edits[..count].to_vec() };
-            let samples = match known.iter().find(|(of, _)| *of == first) {
-                _ if count == list.edits.len() => cut.sample_count(),
-                _ if first.is_idle() => base.sample_count(),
-                Some((_, samples)) => *samples,
-                None => edit_samples(base, &first, votes, place, job)?.0.sample_count(),
-            };
-            left.push((first, samples));
-        }
-        let counts = left.windows(2).map(|pair| pair[0].1 as i64 - pair[1].1 as i64).collect();
-        self.left = Some((base.clone(), left));
-        Ok(counts)
-    }
-
     fn cut(
         &mut self,
         base: &Arc<SampleSet>,
@@ -160,15 +128,16 @@ impl SampleEditor {
         votes: Option<&SampleVotes>,
         place: &str,
         job: &Job,
-    ) -> Result<Arc<SampleSet>> {
+    ) -> Result<Cut> {
         if list.is_idle() {
-            return Ok(base.clone());
+            return Ok((base.clone(), vec![0; list.edits.len()]));
         }
         if let Some((_, _, cut)) = self.cut.as_ref().filter(|(of, by, _)| Arc::ptr_eq(of, base) && by == list)
         {
             return Ok(cut.clone());
         }
-        let cut = Arc::new(edit_samples(base, list, votes, place, job)?.0);
+        let (left, taken) = edit_samples(base, list, votes, place, job)?;
+        let cut = (Arc::new(left), taken);
         self.cut = Some((base.clone(), list.clone(), cut.clone()));
         Ok(cut)
     }
