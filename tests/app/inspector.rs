@@ -280,28 +280,6 @@ fn in_a_small_window_what_is_compared_stands_above_and_how_below() {
 }
 
 #[test]
-fn settings_are_kept_under_a_name_put_on_again_and_forgotten() {
-    let mut window = open(small_demo(), SIZE);
-    settle(&mut window);
-    pick(&mut window, "Presets", "Aggressive");
-    let bold = window.state().observed().settings.clone();
-    click(&mut window, "Presets");
-    click(&mut window, "Save as preset…");
-    window.get_by_label("Name of the preset").type_text("my own");
-    window.run_steps(3);
-    click(&mut window, "Save this preset");
-    pick(&mut window, "Presets", "Balanced");
-    assert_ne!(window.state().observed().settings, &bold);
-    pick(&mut window, "Presets", "my own");
-    assert_eq!(window.state().observed().settings, &bold);
-    click(&mut window, "Presets");
-    click(&mut window, "Forget preset my own");
-    assert!(window.query_by_label("my own").is_none());
-    window.key_press(Key::Escape);
-    settle(&mut window);
-}
-
-#[test]
 fn the_span_map_shows_every_level_of_the_tree_and_takes_to_its_frames() {
     let mut window = open(demo(2, 8, (48, 36)), SIZE);
     settle(&mut window);

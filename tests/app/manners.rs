@@ -11,7 +11,7 @@ use egui_kittest::kittest::Queryable;
 use overlook::app::OverlookApp;
 
 #[test]
-fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
+fn a_first_run_explains_itself_and_the_next_one_remembers_the_layout() {
     let storage = std::sync::Arc::new(std::sync::Mutex::new(Storage::default()));
     let start = |storage: std::sync::Arc<std::sync::Mutex<Storage>>| -> Window {
         Harness::builder().with_size(SIZE).with_os(egui::os::OperatingSystem::Nix).build_eframe(move |cc| {
@@ -25,19 +25,12 @@ fn a_first_run_explains_itself_and_the_next_one_remembers_layout_and_presets() {
     }
     click(&mut window, "Got it");
     assert!(window.query_by_label("Got it").is_none());
-    click(&mut window, "Presets");
-    click(&mut window, "Save as preset…");
-    window.get_by_label("Name of the preset").type_text("remembered");
-    window.run_steps(3);
-    click(&mut window, "Save this preset");
     open_view(&mut window, "Stress test");
     eframe::App::save(window.state_mut(), &mut *storage.lock().unwrap());
     let mut again = start(storage);
     settle(&mut again);
     assert!(again.query_by_label("Got it").is_none());
     assert!(shows(&again, "No stress test yet"), "the layout is as it was");
-    click(&mut again, "Presets");
-    assert!(again.query_by_label("remembered").is_some());
 }
 
 #[test]

@@ -54,10 +54,6 @@ fn a_field_for_a_path_says_in_which_folder_a_name_lies_and_goes_by_cancel() {
     assert!(!shows(&window, &folder), "a whole path lies where it says");
     click(&mut window, "Cancel this path");
     assert!(window.query_by_label("Path").is_none());
-    click(&mut window, "Presets");
-    click(&mut window, "Save as preset…");
-    click(&mut window, "Cancel this preset");
-    assert!(window.query_by_label("Name of the preset").is_none());
 }
 
 #[test]
@@ -183,5 +179,5 @@ fn the_palette_offers_only_painting_where_a_store_keeps_its_thresholds() {
     for name in hidden {
         assert!(!offers(&mut window, name), "{name}");
     }
-    assert!(offers(&mut window, "Kernel: Point") && offers(&mut window, "Save settings as a preset"));
+    assert!(offers(&mut window, "Kernel: Point") && offers(&mut window, "Save settings"));
 }

@@ -99,7 +99,7 @@ fn settings_and_presets_have_the_names_of_the_field() {
         ("Hole filling", &["None", "Push-pull"][..]),
         ("Kernel", &["Gather (interpolate cameras)"]),
         ("Renderer", &["CPU", "GPU"]),
-        ("Presets", &["Conservative", "Aggressive", "Custom", "Save as preset…"]),
+        ("Presets", &["Conservative", "Aggressive", "Load settings…", "Save settings…"]),
     ] {
         click(&mut window, list);
         assert_says(&window, list, choices);
@@ -123,7 +123,6 @@ fn the_palette_names_what_it_does_as_other_programs_do() {
         ("copy expl", "Copy explanation"),
         ("reset view", "Reset view to start"),
         ("center", "Center view on the selection, or the selected pixel"),
-        ("frame times", "Frame times: write to the log and reset"),
         ("video", "Share: Video"),
         ("shortcuts", "Keyboard and mouse shortcuts"),
         ("stress", "Run a stress test"),

@@ -12,14 +12,12 @@ use crate::app::export_menu::export_ui;
 use crate::app::model::command::{FileCommand, Opening, WindowCommand};
 use crate::app::model::purpose::Purpose;
 use crate::app::model::window::DockView;
-use crate::app::model::{Command, Commands, State, Stopwatch};
+use crate::app::model::{Command, Commands, State};
 use crate::app::pace::{LeastPeriod, PacedWindow};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::charts::ui::parts::study_button;
 use crate::app::rooms::help::ui::palette::palette_ui;
-use crate::app::rooms::{
-    charts, files, frame, help, live, readings, report, settings, share, source, timeline,
-};
+use crate::app::rooms::{charts, files, frame, help, live, readings, report, share, source, timeline};
 use crate::app::theme::{Tokens, space};
 use crate::app::views::views;
 use crate::app::widgets::empty_ui;
@@ -111,11 +109,9 @@ impl eframe::App for OverlookApp {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        let watch = Stopwatch::start();
         keyboard::commands(ui, &self.state, &mut self.commands);
         window_ui(ui, &self.state, &mut self.dock, &mut self.commands);
         self.after_picture();
-        self.state.inspector.meter.ui(watch.spent());
     }
 
     /// What lies between the views: filling it once more would cost a tenth of the window where no graphics card draws it.
@@ -174,7 +170,6 @@ pub(crate) fn window_ui(ui: &mut egui::Ui, state: &State, dock: &mut Dock, comma
     frame::ui::notices_ui(ui.ctx(), state, commands);
     share::ui::share_ui(ui.ctx(), state, commands);
     files::ui::path_field_ui(ui.ctx(), state, commands);
-    settings::ui::naming_ui(ui.ctx(), state, commands);
     palette_ui(ui.ctx(), state, commands);
     help::ui::help_ui(ui.ctx(), state, commands);
     readings::ui::readings_ui(ui.ctx(), state, commands);

@@ -28,8 +28,7 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     let typing = state.typed_path.is_some()
         || state.share.is_open
         || state.doc.charts.question.is_some()
-        || inspector.palette.is_some()
-        || inspector.naming.is_some();
+        || inspector.palette.is_some();
     let edits = edits_text(ctx);
     let asks = state.is_asking() || inspector.help.is_some();
     // An open menu takes the key, and so does a number that is being typed, which gets its earlier value back.

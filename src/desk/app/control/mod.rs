@@ -14,7 +14,7 @@ use crate::app::dock::Dock;
 use crate::app::model::command::{FileCommand, Opening, WindowCommand};
 use crate::app::model::purpose::TypedPath;
 use crate::app::model::window::{DockView, NoticeKind, Workspace};
-use crate::app::model::{Busy, Command, Message, State, Stopwatch, WorkKind};
+use crate::app::model::{Busy, Command, Message, State, WorkKind};
 use crate::app::pace::LeastPeriod;
 use crate::app::rooms::files::remembered::Memory;
 use crate::app::rooms::timeline::TimeCommand;
@@ -146,7 +146,6 @@ impl OverlookApp {
 
     /// The work between two pictures of the window: every change of the state.
     pub(crate) fn between_pictures(&mut self, ctx: &egui::Context) {
-        let watch = Stopwatch::start();
         while let Ok(message) = self.inbox.try_recv() {
             self.unread.read_one();
             self.receive(message);
@@ -164,7 +163,6 @@ impl OverlookApp {
             ctx.set_theme(theme);
         }
         theme::show_tooltips(ctx, !self.state.is_asking());
-        self.state.inspector.meter.logic(watch.spent());
     }
 
     /// The work after a picture of the window. What only moves the view is answered at once, and the window is drawn again when there is

@@ -42,11 +42,6 @@ impl OverlookApp {
             }
             Command::Cancel => self.cancel(),
             Command::Escape => self.escape(),
-            Command::LogFrameTimes => {
-                if let Some(times) = std::mem::take(&mut self.state.inspector.meter).summary() {
-                    log::info!("frame times, {times}");
-                }
-            }
         }
         if let Some(left) = left.filter(|left| self.state.live.orbit.as_ref() != Some(left)) {
             self.state.doc.views.left(left);
@@ -85,7 +80,6 @@ impl OverlookApp {
     fn escape(&mut self) {
         let inspector = &mut self.state.inspector;
         let was_open = inspector.palette.take().is_some()
-            | inspector.naming.take().is_some()
             | inspector.help.take().is_some()
             | inspector.closing.asks
             | self.state.doc.readings.is_open

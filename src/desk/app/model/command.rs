@@ -15,7 +15,6 @@ use crate::app::rooms::compare::state::CompareLook;
 use crate::app::rooms::live::state::LiveLook;
 use crate::app::rooms::path::CameraPath;
 use crate::app::rooms::pixel::state::Spot;
-use crate::app::rooms::settings::OwnPreset;
 use crate::app::rooms::source::SourceLook;
 use crate::app::rooms::timeline::TimeCommand;
 use overlook_engine::edits::{Action, EditList, Region, Stroke};
@@ -62,8 +61,6 @@ pub(crate) enum Command {
     /// Show colors otherwise in both views.
     Display(Display),
     CopyTable(Table, TableForm),
-    /// Write frame times into the program's log, and count them anew.
-    LogFrameTimes,
 }
 
 impl Command {
@@ -149,10 +146,6 @@ pub(crate) enum SettingsCommand {
     ResetAll,
     /// Take the settings of a preset.
     Preset(Box<Settings>),
-    /// What a new preset is named so far; `None` closes the field.
-    NamePreset(Option<String>),
-    /// Put other presets in the place of the person's own, and close the field.
-    OwnPresets(Vec<OwnPreset>),
     /// Switch to the other of settings A and B.
     Switch,
     /// Put these settings on.

@@ -8,7 +8,6 @@
 pub(crate) mod camera;
 pub(crate) mod camera_text;
 pub(crate) mod command;
-pub(crate) mod frame_timer;
 pub(crate) mod look;
 pub(crate) mod message;
 pub(crate) mod motion_budget;
@@ -33,7 +32,6 @@ pub(crate) use crate::text::{
     account_parts, bytes, count, count_of, percent, sentence, significant, time_left, took, words,
 };
 pub(crate) use command::{Command, Commands};
-pub(crate) use frame_timer::Stopwatch;
 pub(crate) use message::Message;
 pub(crate) use same::Same;
 pub(crate) use texture::Texture;

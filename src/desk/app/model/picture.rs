@@ -52,32 +52,26 @@ impl ColorBy {
 /// How the live view shows pixels that no sample reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) enum HoleDisplay {
+    #[serde(alias = "Dimmed")]
     Filled,
     Hatched,
-    /// Filled, but dimmed where that is far from any sample.
-    Dimmed,
 }
 
 impl HoleDisplay {
     /// Every choice in the order of the toolbar: its name, and what it shows.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 2] = [
         (
             Self::Filled,
             "Fill",
             "Pixels that no sample reached get invented colors, continued from the background (H).",
         ),
         (Self::Hatched, "Show", "Pixels that no sample reached are hatched, over what fills them (H)."),
-        (
-            Self::Dimmed,
-            "Dim",
-            "As Fill, but what lies far from any sample is blurred, gray and dark, so that it reads as unknown.",
-        ),
     ];
 
-    /// What the key makes of it: hatched, or no longer.
+    /// The other of both.
     pub(crate) fn other(self) -> Self {
         match self {
-            Self::Filled | Self::Dimmed => Self::Hatched,
+            Self::Filled => Self::Hatched,
             Self::Hatched => Self::Filled,
         }
     }

@@ -9,7 +9,6 @@ use egui::TextureHandle;
 use glam::DVec3;
 
 use crate::app::model::command::Opening;
-use crate::app::model::frame_timer::Meter;
 use crate::app::model::look::{Display, FrameGuide, FrameValues};
 use crate::app::model::picture::{
     ColorBy, HoleDisplay, LiveKey, LivePicture, Overlay, PixelSource, ShownCarried, SourceKey, SourcePicture,
@@ -33,7 +32,7 @@ use crate::app::rooms::live::state::{FIRST_SIZE, KeptView, LiveLook, ViewHistory
 use crate::app::rooms::path::CameraPath;
 use crate::app::rooms::pixel::state::InspectedPixel;
 use crate::app::rooms::readings::state::ReadingCheck;
-use crate::app::rooms::settings::{OwnPreset, ThresholdHistogram};
+use crate::app::rooms::settings::ThresholdHistogram;
 use crate::app::rooms::share::state::ShareDialog;
 use crate::app::rooms::source::SourceLook;
 use crate::app::rooms::timeline::Timeline;
@@ -329,7 +328,6 @@ impl State {
             || self.share.is_open
             || self.open_after_question.is_some()
             || inspector.palette.is_some()
-            || inspector.naming.is_some()
             || inspector.closing.asks
             || self.doc.readings.is_open
             || self.doc.charts.question.is_some()
@@ -480,10 +478,6 @@ pub(crate) struct Closing {
 #[derive(Default)]
 pub(crate) struct Inspector {
     pub history: History,
-    /// Presets of the person.
-    pub presets: Vec<OwnPreset>,
-    /// What a new preset is named so far, while it is named.
-    pub naming: Option<String>,
     pub compare: CompareLook,
     /// The command palette, while it is open.
     pub palette: Option<CommandPalette>,
@@ -504,7 +498,6 @@ pub(crate) struct Inspector {
     /// What stands between the person and closing the window.
     pub closing: Closing,
     pub log: VecDeque<LogLine>,
-    pub meter: Meter,
 }
 
 impl Inspector {

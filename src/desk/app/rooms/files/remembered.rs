@@ -40,7 +40,6 @@ pub(crate) struct Memory {
     layout: String,
     introduced: bool,
     room_explained: bool,
-    presets: Vec<(String, String)>,
 }
 
 impl Default for Memory {
@@ -79,9 +78,6 @@ impl Memory {
             layout: dock.to_json(),
             introduced: state.inspector.introduced,
             room_explained: state.inspector.room_explained,
-            presets: (state.inspector.presets.iter())
-                .map(|(name, settings)| (name.clone(), settings.to_toml()))
-                .collect(),
         }
     }
 
@@ -111,8 +107,6 @@ impl Memory {
         state.live.guides = self.guides;
         state.inspector.introduced = self.introduced;
         state.inspector.room_explained = self.room_explained;
-        state.inspector.presets =
-            (self.presets.into_iter()).filter_map(|(name, text)| Some((name, settings(&text)?))).collect();
         Dock::from_json(&self.layout)
     }
 }
@@ -167,15 +161,13 @@ mod tests {
     }
 
     #[test]
-    fn a_remembered_value_that_is_not_known_takes_no_other_setting_and_no_preset_with_it() {
+    fn a_remembered_value_that_is_not_known_takes_no_other_setting_with_it() {
         let text = "[render]\nfill = \"texture\"\nviews = 3\n".to_owned();
-        let presets = vec![("mine".to_owned(), text.clone())];
         let mut state = State::default();
-        Memory { settings: text, presets, ..Memory::default() }.restore(&mut state);
+        Memory { settings: text, ..Memory::default() }.restore(&mut state);
         let mut expected = Settings::default();
         expected.render.views = 3;
         assert_eq!(state.settings, expected);
-        assert_eq!(state.inspector.presets, [("mine".to_owned(), expected)]);
     }
 
     #[test]

@@ -149,7 +149,7 @@ impl OverlookApp {
         }
     }
 
-    /// Shows holes filled, hatched or dimmed; to be shown filled, they must be filled by the settings too.
+    /// Shows holes filled or hatched; to be shown filled, they must be filled by the settings too.
     fn show_holes(&mut self, holes: HoleDisplay) {
         self.state.live.holes = holes;
         let mut settings = self.state.settings.clone();

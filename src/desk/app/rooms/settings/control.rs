@@ -27,11 +27,6 @@ impl OverlookApp {
                 self.put_settings(settings);
             }
             SettingsCommand::Preset(settings) => self.take_preset(*settings),
-            SettingsCommand::NamePreset(name) => self.state.inspector.naming = name,
-            SettingsCommand::OwnPresets(presets) => {
-                self.state.inspector.naming = None;
-                self.state.inspector.presets = presets;
-            }
             SettingsCommand::Take(settings) => self.take_point(*settings),
             SettingsCommand::Find(path) => {
                 self.state.inspector.find_setting = path;

@@ -63,20 +63,6 @@ pub(crate) fn changed(change: fn(&mut Settings)) -> Settings {
     settings
 }
 
-/// Settings that the person keeps, with their name.
-pub(crate) type OwnPreset = (String, Settings);
-
-/// Keeps settings under a name, in place of those that had it.
-pub(crate) fn keep(own: &mut Vec<OwnPreset>, name: &str, settings: &Settings) {
-    if name.is_empty() {
-        return;
-    }
-    match own.iter_mut().find(|(known, _)| known == name) {
-        Some((_, kept)) => kept.clone_from(settings),
-        None => own.push((name.to_owned(), settings.clone())),
-    }
-}
-
 /// Bars of a histogram.
 pub(crate) const BARS: usize = 56;
 
@@ -217,18 +203,6 @@ mod tests {
         for (i, a) in all.iter().enumerate() {
             assert!(all[i + 1..].iter().all(|b| a != b), "{}", PRESETS[i].0);
         }
-    }
-
-    #[test]
-    fn settings_kept_under_a_name_that_is_taken_replace_those() {
-        let mut own = Vec::new();
-        let mut bold = Settings::default();
-        PRESETS[3].2(&mut bold);
-        keep(&mut own, "mine", &Settings::default());
-        keep(&mut own, "other", &Settings::default());
-        keep(&mut own, "mine", &bold);
-        keep(&mut own, "", &bold);
-        assert_eq!(own, [("mine".to_owned(), bold), ("other".to_owned(), Settings::default())]);
     }
 
     fn axis(path: &str) -> ThresholdAxis {

@@ -1,21 +1,20 @@
 //! The settings, generated from the one table of settings, so that none is ever missing here; and settings to start from.
 
 use egui::{
-    Align, Align2, Button, CollapsingHeader, Color32, DragValue, Id, Label, Layout, Modal, Painter, Rect,
-    RichText, ScrollArea, Sense, Slider, Stroke, Ui, pos2, vec2,
+    Align, Align2, Button, CollapsingHeader, Color32, DragValue, Label, Layout, Painter, Rect, RichText,
+    ScrollArea, Sense, Slider, Stroke, Ui, pos2, vec2,
 };
-use egui_material_icons::icons::{ICON_DELETE, ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
+use egui_material_icons::icons::{ICON_REDO, ICON_RESTART_ALT, ICON_UNDO};
 
 use crate::app::control::gave_up_number;
-use crate::app::model::command::SettingsCommand;
+use crate::app::model::command::{FileCommand, SettingsCommand};
+use crate::app::model::purpose::Purpose;
 use crate::app::model::setting_names::{ADVANCED, SECTIONS, SettingPairs};
 use crate::app::model::{self, Command, Commands, SettingsSlot, State};
 use crate::app::rooms::change::ui::change_ui;
-use crate::app::rooms::settings::{BARS, CUT, PRESETS, ThresholdAxis, ThresholdHistogram, changed, keep};
+use crate::app::rooms::settings::{BARS, CUT, PRESETS, ThresholdAxis, ThresholdHistogram, changed};
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{
-    bare_icon_button, choice_ui, fold_ui, help_beside, icon_button, note, text_field_ui, weak,
-};
+use crate::app::widgets::{bare_icon_button, choice_ui, fold_ui, help_beside, note, weak};
 use overlook_engine::plural::{counted, either};
 use overlook_engine::settings::{Field, Settings, ValueKind};
 
@@ -107,7 +106,7 @@ fn history_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 commands.push(Command::Settings(SettingsCommand::Switch));
             }
         }
-        presets_menu_ui(ui, state, commands);
+        presets_menu_ui(ui, commands);
     });
     ui.add_space(space::SMALL);
 }
@@ -259,7 +258,7 @@ fn shown_number(value: f64) -> String {
 }
 
 /// The menu, as wide as there is room.
-fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+fn presets_menu_ui(ui: &mut Ui, commands: &mut Commands) {
     let button = Button::new("Presets…").min_size(vec2(ui.available_width() - space::MEDIUM, 0.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         ui.set_min_width(220.0);
@@ -269,61 +268,15 @@ fn presets_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             }
         }
         ui.separator();
-        note(ui, "Custom");
-        for (index, (name, settings)) in state.inspector.presets.iter().enumerate() {
-            ui.horizontal(|ui| {
-                if ui.button(name).clicked() {
-                    commands.push(Command::Settings(SettingsCommand::Preset(Box::new(settings.clone()))));
-                    ui.close();
-                }
-                let forget = format!("Forget preset {name}");
-                if icon_button(ui, ICON_DELETE, &forget, &forget).clicked() {
-                    let mut own = state.inspector.presets.clone();
-                    own.remove(index);
-                    commands.push(Command::Settings(SettingsCommand::OwnPresets(own)));
-                }
-            });
-        }
-        if ui.button("Save as preset…").on_hover_text("Saves the current settings under a name").clicked() {
-            commands.push(Command::Settings(SettingsCommand::NamePreset(Some(String::new()))));
+        for (name, purpose) in
+            [("Load settings…", Purpose::LoadSettings), ("Save settings…", Purpose::SaveSettings)]
+        {
+            if ui.button(name).clicked() {
+                commands.push(Command::File(FileCommand::AskPath(purpose)));
+            }
         }
     });
     response.accessible_name("Presets");
-}
-
-/// The field for a name, while a new preset is named.
-pub(crate) fn naming_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    let Some(name) = &state.inspector.naming else { return };
-    let modal = Modal::new(Id::unique("naming a preset")).show(ctx, |ui| {
-        ui.set_width(360.0);
-        ui.heading("Save settings as a preset");
-        let taken = state.inspector.presets.iter().any(|(known, _)| known == name.trim());
-        let words =
-            if taken { "This name is taken: its settings will be replaced." } else { "Name of the preset:" };
-        weak(ui, words);
-        ui.add_space(space::MEDIUM);
-        let mut text = name.clone();
-        let (changed, entered) = text_field_ui(ui, &mut text, "", "Name of the preset");
-        let named = !text.trim().is_empty();
-        if changed {
-            commands.push(Command::Settings(SettingsCommand::NamePreset(Some(text.clone()))));
-        }
-        ui.add_space(space::MEDIUM);
-        ui.horizontal(|ui| {
-            let button = ui.add_enabled(named, Button::new("Save")).accessible_name("Save this preset");
-            if (button.clicked() || entered) && named {
-                let mut own = state.inspector.presets.clone();
-                keep(&mut own, text.trim(), &state.shown_settings());
-                commands.push(Command::Settings(SettingsCommand::OwnPresets(own)));
-            }
-            if ui.button("Cancel").accessible_name("Cancel this preset").clicked() {
-                commands.push(Command::Settings(SettingsCommand::NamePreset(None)));
-            }
-        });
-    });
-    if modal.should_close() {
-        commands.push(Command::Settings(SettingsCommand::NamePreset(None)));
-    }
 }
 
 const BARS_HEIGHT: f32 = 40.0;

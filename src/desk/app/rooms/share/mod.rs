@@ -109,11 +109,7 @@ impl State {
         });
         let parts = [
             colored.map(|(_, name, _)| format!("colored by {}", name.to_lowercase())),
-            match self.live.holes {
-                HoleDisplay::Filled => None,
-                HoleDisplay::Hatched => Some("with holes hatched".to_owned()),
-                HoleDisplay::Dimmed => Some("dimmed far from samples".to_owned()),
-            },
+            (self.live.holes == HoleDisplay::Hatched).then(|| "with holes hatched".to_owned()),
             (hidden > 0).then(|| format!("without {}", counted(hidden, "hidden camera"))),
         ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();

@@ -86,7 +86,7 @@ pub(crate) fn entries(state: &State) -> Vec<PaletteEntry> {
 }
 
 /// Entries that are there whatever is open.
-fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command); 54] {
+fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command); 52] {
     let tool =
         |tool: EditTool| Command::Edit(EditCommand::Tools(EditTools { tool: Some(tool), ..edits.tools }));
     [
@@ -110,11 +110,6 @@ fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command);
         ("Edit: shrink the selection", "Shift+G", Command::Edit(EditCommand::Reshape(edits.grown(false)))),
         ("Edit: invert the selection", "Ctrl+I", Command::Edit(EditCommand::Reshape(edits.inverted()))),
         ("Edit: select nothing", "", Command::Edit(EditCommand::SelectNothing)),
-        (
-            "Save settings as a preset",
-            "",
-            Command::Settings(SettingsCommand::NamePreset(Some(String::new()))),
-        ),
         ("Copy picture", "", Command::Share(ShareCommand::CopyPicture(FigureOf::Live))),
         ("Copy explanation", "Ctrl+Shift+C", Command::Pixel(PixelCommand::CopyExplanation)),
         ("Undo", "Ctrl+Z", Command::Undo),
@@ -133,7 +128,6 @@ fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command);
         ("Run a stress test", "", Command::Chart(ChartCommand::Ask(Some(Study::Stress)))),
         ("Tune settings", "", Command::Chart(ChartCommand::Ask(Some(Study::Tuning)))),
         ("Rank cameras: find a needless camera", "", Command::Chart(ChartCommand::Study(Study::Ranking))),
-        ("Frame times: write to the log and reset", "", Command::LogFrameTimes),
         ("Cancel", "Esc", Command::Cancel),
         ("Light theme", "", Command::Window(WindowCommand::Dark(false))),
         ("Dark theme", "", Command::Window(WindowCommand::Dark(true))),
@@ -182,10 +176,9 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
     for (holes, name, _) in HoleDisplay::ALL {
         add(format!("Holes: {name}"), "H", Command::View(ViewCommand::Holes(holes)));
     }
-    let own = state.inspector.presets.iter().cloned();
-    let presets = PRESETS.map(|(name, _, change)| (name.to_owned(), changed(change))).into_iter().chain(own);
-    for (name, settings) in presets.filter(|_| turns) {
-        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::Preset(Box::new(settings))));
+    for (name, _, change) in PRESETS.into_iter().filter(|_| turns) {
+        let settings = Box::new(changed(change));
+        add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::Preset(settings)));
     }
     for path in &state.recent {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();

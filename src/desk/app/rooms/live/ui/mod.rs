@@ -75,15 +75,13 @@ fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             commands.push(Command::View(ViewCommand::look(&state.live, |live| live.color_by = color_by)));
         }
         let holes = state.holes_shown();
-        let at = HoleDisplay::ALL.iter().position(|(of, ..)| *of == holes).unwrap_or(0);
-        let (_, name, help) = HoleDisplay::ALL[at];
-        let (next, ..) = HoleDisplay::ALL[(at + 1) % HoleDisplay::ALL.len()];
+        let (_, name, help) = HoleDisplay::ALL[usize::from(holes == HoleDisplay::Hatched)];
         let button = Button::selectable(
             holes != HoleDisplay::Filled,
             RichText::new(format!("Holes: {name}")).size(12.5),
         );
         if ui.add(button).on_hover_text(format!("{help} A click changes it.")).clicked() {
-            commands.push(Command::View(ViewCommand::Holes(next)));
+            commands.push(Command::View(ViewCommand::Holes(holes.other())));
         }
     });
 }

@@ -14,7 +14,6 @@ use crate::app::model::look::Display;
 use crate::app::model::picture::{
     CarriedLook, CarryKey, ColorBy, HoleDisplay, LiveKey, LivePicture, PixelSource, RATIO_RANGE,
 };
-use crate::app::rooms::live::work::dimmed_fills::dim_fills;
 use crate::app::theme::Tokens;
 use crate::app::work::develop::{background_at, displayed, histogram_of};
 use crate::app::work::shown_samples::CameraFilter;
@@ -131,7 +130,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
             return match (key.holes, key.color_by) {
                 _ if !is_filled => pattern,
                 (HoleDisplay::Hatched, _) => mix(own, pattern, HATCHING[nth]),
-                (HoleDisplay::Filled | HoleDisplay::Dimmed, ColorBy::Picture) => own,
+                (HoleDisplay::Filled, ColorBy::Picture) => own,
                 // These colors describe samples, and this pixel has none.
                 (_, ColorBy::Value) => values.as_ref().map_or(own, LiveValues::missing),
                 _ => dimmed(own, DIMMED),
@@ -164,11 +163,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let mut colors = vec![Color32::default(); width * height];
     let rows = colors.par_chunks_mut(width.max(1)).enumerate();
     rows.for_each(|(y, row)| row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = color(x, y)));
-    let mut colors = Grid::from_vec(width, height, colors);
-    if (key.holes, key.color_by) == (HoleDisplay::Dimmed, ColorBy::Picture) {
-        dim_fills(picture, &mut colors);
-    }
-    colors
+    Grid::from_vec(width, height, colors)
 }
 
 /// One value of each pixel, and its colors.

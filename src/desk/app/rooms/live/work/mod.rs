@@ -1,7 +1,6 @@
 //! How the live view is painted: at once and as finely as fits the budget while it moves, in full once it rests. Meanwhile the last
 //! picture is carried to where the view is.
 
-mod dimmed_fills;
 pub(crate) mod image;
 
 use std::time::Duration;

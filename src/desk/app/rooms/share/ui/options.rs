@@ -3,7 +3,6 @@
 use egui::{DragValue, Grid, RichText, TextEdit, Ui};
 
 use crate::app::model::command::EditCommand;
-use crate::app::model::picture::HoleDisplay;
 use crate::app::model::{Command, Commands, SIDES, State};
 use crate::app::rooms::path::ui::{length_ui, size_ui, still_ui};
 use crate::app::rooms::timeline::{TimeCommand, Timeline};
@@ -92,9 +91,6 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut Options, comm
         }
         Way::Store if !state.live.cameras.shows_all() => hidden_cameras_ui(ui, state, commands),
         Way::Pictures if !options.along_path => {
-            if state.holes_shown() == HoleDisplay::Dimmed && !options.linear {
-                note(ui, "As in the live view, what fills holes far from samples is dimmed.");
-            }
             let link =
                 ui.link(RichText::new("With what its colors mean and a scale bar it is a figure.").small());
             if link.accessible_name("Share a figure of this view").clicked() {

@@ -22,9 +22,6 @@ use overlook_lab::chart::{ColorBar, LegendEntry};
 /// Colors of a bar.
 const STEPS: usize = 128;
 
-/// What is said of fills that are dimmed.
-const DIMMED: &str = "Blurred and dark: not seen by any camera, and far from what was.";
-
 /// What is written below a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Meaning {
@@ -136,9 +133,6 @@ pub(crate) fn of_live(key: &LiveKey, rendered: &Picture, background: u64) -> Mea
 fn of_samples(key: &LiveKey, rendered: &Picture) -> Meaning {
     let tokens = Tokens::of(key.dark);
     match key.color_by {
-        ColorBy::Picture if key.holes == HoleDisplay::Dimmed && has_fills(rendered) => {
-            Meaning { legend: vec![words(DIMMED)], color_bar: None }
-        }
         ColorBy::Picture => Meaning::default(),
         ColorBy::Camera => {
             let mut pixels: BTreeMap<u32, u64> = BTreeMap::new();
@@ -202,12 +196,6 @@ pub(crate) fn of_comparison(compared: &ComparisonFigure) -> Meaning {
             Meaning { legend: sides.iter().map(|side| words(side)).collect(), color_bar: None }
         }
     }
-}
-
-/// Whether some pixel shows a surface that no sample reached.
-fn has_fills(rendered: &Picture) -> bool {
-    let mut pixels = rendered.image.as_slice().iter().zip(rendered.inverse_depth.as_slice());
-    pixels.any(|(image, inverse_depth)| *image == NO_IMAGE && *inverse_depth > 0.0)
 }
 
 fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {

@@ -290,11 +290,8 @@ fn holes_ui(ui: &mut Ui, state: &State) {
     let share = shares.as_ref().map(|[unseen, _]| unseen);
     let named = |name: &str| share.map_or_else(|| name.to_owned(), |share| format!("{name} {share}"));
     match state.holes_shown() {
-        holes @ (HoleDisplay::Filled | HoleDisplay::Dimmed) => {
-            let mut name = named("filled (invented)");
-            if holes == HoleDisplay::Dimmed && state.live.color_by == ColorBy::Picture {
-                name += ", dimmed far from samples";
-            }
+        HoleDisplay::Filled => {
+            let name = named("filled (invented)");
             // Among the picture's own colors it has none of its own.
             let response = match state.live.color_by {
                 ColorBy::Picture => ui.label(RichText::new(name).small()),
