@@ -5,13 +5,13 @@ use std::time::Duration;
 
 use crate::app::model::command::{Combine, EditCommand, ViewCommand};
 use crate::app::model::picture::LiveKey;
-use crate::app::model::purpose::Purpose;
+use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{Command, Same, count};
 use crate::app::rooms::report::ui::figures;
 use crate::app::tests::{OverlookApp, ready, settle, wait};
 use crate::app::work::worker::Wanted;
 use crate::pruned_store;
-use crate::ways_out;
+use crate::ways_out::{self, Way};
 use overlook_engine::capture;
 use overlook_engine::edited_store::write_edited_store;
 use overlook_engine::edits::{Action, EditList, Region, Stroke, Viewpoint};
@@ -89,6 +89,13 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     let figure = &figures(&app.state)[0];
     assert_eq!(figure.value, count(edited.before - edited.deleted));
     assert!(figure.note.ends_with(", with 3 edits"), "{}", figure.note);
+    let left = edited.samples.sample_count();
+    app.apply(Command::Share(ShareCommand::Open(Some(Way::Page))));
+    wait(&mut app, "sizes of what edits left", |app| {
+        app.state.share.facts.is_some_and(|facts| facts.samples == left)
+    });
+    assert!(app.state.share_size(Way::Page).reason.ends_with(", with 3 edits"));
+    app.apply(Command::Share(ShareCommand::Close));
     app.take_path(Purpose::SaveEdits, list.clone());
     app.take_path(Purpose::Share(&ways_out::store::STORE), store.clone());
     settle(&mut app);

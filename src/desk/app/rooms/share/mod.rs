@@ -182,7 +182,7 @@ impl State {
         let rows = (PREVIEW_COLUMNS * height / width.max(1)).max(1);
         let camera = self.live_camera([PREVIEW_COLUMNS, rows])?;
         let ready = self.is_whole_ready() && self.share.is_open && share < 1.0;
-        let samples = self.whole_samples().filter(|_| ready)?;
+        let samples = self.edited_samples().or(self.whole_samples()).filter(|_| ready)?;
         Some(SharePreviewKey {
             scene: self.doc.scene.clone()?,
             samples: Same(samples.clone()),
@@ -210,7 +210,11 @@ impl State {
             film_size: self.export_size(),
             figure_size: if way == Way::Figure { self.size_in_figure(options.figure_of) } else { [0; 2] },
         };
-        (way.row().size)(&scope, &options)
+        let mut size = (way.row().size)(&scope, &options);
+        if options.kind().needs == Needs::Samples && self.cut_scene().is_some() {
+            size.reason += &self.with_edits();
+        }
+        size
     }
 
     /// Columns and rows of the picture of a figure.

@@ -64,7 +64,7 @@ impl ShareDialog {
 #[derive(Clone, PartialEq)]
 pub(crate) struct ShareKey {
     pub scene: Arc<OpenScene>,
-    /// The samples of the whole capture; of a store the outline.
+    /// What edits left, else the samples of the whole capture; of a store the outline.
     pub samples: Same<SampleSet>,
     pub frame: usize,
     /// The picture of the live view, where it is in memory.

@@ -96,7 +96,7 @@ fn way_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Comm
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(model::sentence(&size.text)).strong());
         weak(ui, size.reason);
-        if !state.doc.edits.list.is_idle() {
+        if !state.doc.edits.list.is_idle() && state.cut_scene().is_none() {
             weak(ui, "Before edits, which what is written has.");
         }
     });

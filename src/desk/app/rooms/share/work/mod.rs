@@ -34,6 +34,7 @@ use overlook_engine::render::output::{write_exr, write_png};
 use overlook_engine::render::{CpuRenderer, Picture, Renderer, Vantage};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::store::file::{Extras, write_with};
+use overlook_engine::store::playback::Playback;
 use overlook_engine::whole_file;
 use overlook_lab::metrics::psnr_db;
 
@@ -111,7 +112,7 @@ impl Wanted for ShareKey {
         Some(Self {
             scene: state.doc.scene.clone()?,
             // Until the whole capture is pruned only pictures have a size.
-            samples: Same(state.whole_samples().unwrap_or(samples).clone()),
+            samples: Same(state.edited_samples().or(state.whole_samples()).unwrap_or(samples).clone()),
             frame: state.timeline.frame,
             picture: shown.map(|shown| Same(shown.picture.clone())),
         })
@@ -128,9 +129,9 @@ impl StoreMeter {
     /// Counts and measures.
     pub(crate) fn facts(&mut self, key: &ShareKey, job: &Job) -> Result<Message> {
         let here = samples_of_frame(&key.scene, &key.samples, key.frame, job)?;
-        let (samples, store_bytes) = match &key.scene.content {
-            Content::Store { playback, bytes, .. } => (playback.store().info().sample_count(), *bytes as f64),
-            Content::Capture { .. } => (here.sample_count(), self.store_bytes(&here, job)?),
+        let (samples, store_bytes) = match stored(&key.scene, &key.samples) {
+            Some((playback, bytes)) => (playback.store().info().sample_count(), bytes as f64),
+            None => (here.sample_count(), self.store_bytes(&here, job)?),
         };
         let of_frame = || here.images_at(key.frame);
         let placed_here: u64 = of_frame().map(|image| image.placed_count()).sum();
@@ -155,17 +156,24 @@ impl StoreMeter {
     }
 }
 
-/// A set that has the samples of a frame in memory; `samples` are those of a capture.
+/// The store that is open, and its bytes, where samples are its outline; `None` of a capture, and where they are what edits left.
+fn stored<'a>(scene: &'a OpenScene, of: &Arc<SampleSet>) -> Option<(&'a Arc<Playback>, u64)> {
+    match &scene.content {
+        Content::Store { playback, samples, bytes, .. } if Arc::ptr_eq(samples, of) => {
+            Some((playback, *bytes))
+        }
+        _ => None,
+    }
+}
+
+/// A set that has the samples of a frame in memory; `samples` are the outline of a store, or in memory already.
 pub(crate) fn samples_of_frame(
     scene: &OpenScene,
     samples: &Arc<SampleSet>,
     frame: usize,
     job: &Job,
 ) -> Result<Arc<SampleSet>> {
-    match &scene.content {
-        Content::Store { playback, .. } => playback.at(frame, job),
-        Content::Capture { .. } => Ok(samples.clone()),
-    }
+    stored(scene, samples).map_or_else(|| Ok(samples.clone()), |(playback, _)| playback.at(frame, job))
 }
 
 /// The samples of as many of the first cameras as have [`MEASURED_SAMPLES`]: images of one camera are predicted from each other.
