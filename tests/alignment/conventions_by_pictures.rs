@@ -3,8 +3,11 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use overlook_engine::alignment::align;
 use overlook_engine::capture::conventions::{DepthMeasure, Evidence, Finding, PoseConvention, check};
-use overlook_engine::capture::{Camera, Frame, Intrinsics};
+use overlook_engine::capture::{Camera, Capture, Frame, Intrinsics};
+use overlook_engine::job::Job;
+use overlook_engine::settings::AlignSettings;
 
 use crate::conventions::{Export, corner, read_as_nerfstudio};
 
@@ -20,19 +23,34 @@ fn close_together() -> Vec<Camera> {
     (0..6).map(camera).collect()
 }
 
+fn traced(cameras: &[Camera], depth_noise: f32) -> Vec<Frame> {
+    let scene = corner(depth_noise);
+    cameras.iter().enumerate().map(|(seed, camera)| scene.trace(camera, 0, seed)).collect()
+}
+
 fn recorded(depth_noise: f32) -> (Vec<Camera>, Arc<Vec<Frame>>) {
-    let (scene, cameras) = (corner(depth_noise), close_together());
-    let frames = cameras.iter().enumerate().map(|(seed, camera)| scene.trace(camera, 0, seed)).collect();
+    let cameras = close_together();
+    let frames = traced(&cameras, depth_noise);
     (cameras, Arc::new(frames))
 }
 
+/// The cameras with focal lengths times `factor`.
+fn with_focal(cameras: &[Camera], factor: f64) -> Vec<Camera> {
+    let mut cameras = cameras.to_vec();
+    for camera in &mut cameras {
+        camera.intrinsics.fx *= factor;
+        camera.intrinsics.fy *= factor;
+    }
+    cameras
+}
+
+fn as_meant(cameras: &[Camera], frames: &Arc<Vec<Frame>>, unit: f64) -> Capture {
+    let export = Export { pose: PoseConvention::default(), measure: DepthMeasure::PlanarZ, unit };
+    read_as_nerfstudio(cameras, frames, export)
+}
+
 fn found(cameras: &[Camera], frames: &Arc<Vec<Frame>>, unit: f64) -> Finding {
-    check(&read_as_nerfstudio(
-        cameras,
-        frames,
-        Export { pose: PoseConvention::default(), measure: DepthMeasure::PlanarZ, unit },
-    ))
-    .unwrap()
+    check(&as_meant(cameras, frames, unit)).unwrap()
 }
 
 /// The value of a key that a finding says to write.
@@ -73,11 +91,7 @@ fn a_focal_length_and_a_principal_point_that_are_none_of_the_lens_are_told_by_pi
     let (cameras, frames) = recorded(0.01);
     let focal = cameras[0].intrinsics.fx;
     for factor in [0.6, 1.3, 2.0] {
-        let mut wrong = cameras.clone();
-        for camera in &mut wrong {
-            (camera.intrinsics.fx, camera.intrinsics.fy) = (factor * focal, factor * focal);
-        }
-        let finding = found(&wrong, &frames, 1.0);
+        let finding = found(&with_focal(&cameras, factor), &frames, 1.0);
         let said = value(&finding, "fl_x");
         assert!(is_by_pictures(&finding) && (said / focal - 1.0).abs() < 0.05, "{}", finding.sentence());
         assert_eq!(said, value(&finding, "fl_y"));
@@ -102,4 +116,23 @@ fn a_lens_that_differs_from_camera_to_camera_is_told_of_without_a_key() {
     let other = finding.alternative().unwrap();
     assert!(other.keys.is_empty() && !other.can_be_written(&finding.claimed));
     assert!(finding.warning().unwrap().contains("focal lengths are 0.7"), "{}", finding.sentence());
+}
+
+#[test]
+fn pictures_that_doubt_a_lens_ask_for_the_color_lens_of_a_sensor_and_for_another_manifest_of_a_program() {
+    for noise in [0.01, 0.0] {
+        let (cameras, depth) = recorded(noise);
+        let color = traced(&with_focal(&cameras, 0.88), noise);
+        let seen =
+            depth.iter().zip(color).map(|(depth, Frame { color, .. })| Frame { color, ..depth.clone() });
+        let capture = as_meant(&cameras, &Arc::new(seen.collect()), 1.0);
+        assert!(is_by_pictures(&check(&capture).unwrap()), "noise {noise}");
+        let found = align(&capture, &AlignSettings::default(), &Job::new()).unwrap().alignment.unwrap();
+        let focals: Vec<f64> = found.lenses.iter().map(|lens| lens.color.fx / lens.claimed.fx).collect();
+        if noise > 0.0 {
+            assert!(focals.len() == 1 && (focals[0] - 0.88).abs() < 0.01, "{:?}", found.sentences());
+        } else {
+            assert!(focals.is_empty() && found.misread.is_some(), "{:?}", found.sentences());
+        }
+    }
 }

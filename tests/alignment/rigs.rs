@@ -119,6 +119,11 @@ fn poses_that_are_all_wrong_are_found_relative_to_each_other() {
         let found = aligned(&wrong).capture;
         let (angle, footprints) = off(&right.cameras[..cameras], &found.cameras[..cameras]);
         assert!(angle < 0.01 && footprints < 0.1, "{degrees}°: still {angle}°, {footprints} footprints");
+        // None is taken for right: all together stand turned by less than each of them did.
+        let [then, now] = [&right, &found].map(|capture| capture.cameras[0].world_from_camera.matrix3);
+        let turn = DQuat::from_mat3(&(now * then.transpose())).to_scaled_axis().length().to_degrees();
+        println!("poses {degrees}° off: all together {turn:.3}° off");
+        assert!(turn < 0.6 * degrees, "{degrees}°: all together {turn}°");
     }
 }
 

@@ -39,6 +39,11 @@ impl CaptureCorrection {
         Self { lenses: lenses.iter().map(|lens| (lens.claimed, lens.found)).collect(), ..Self::default() }
     }
 
+    /// Whether a color lens is corrected.
+    pub(crate) fn is_of_a_lens(&self) -> bool {
+        !self.lenses.is_empty()
+    }
+
     /// The capture without what was wrong. It must be the one that was measured.
     #[must_use]
     pub fn applied(&self, capture: &Capture) -> Capture {

@@ -12,7 +12,8 @@
 //!
 //! Hundreds of cameras are aligned in groups of neighbors (`grouped.rs`), so that memory is bounded and time grows with their number.
 //!
-//! Only poses relative to each other are known: most cameras stay where they are. Only ratios of gains are known: the mean stays.
+//! Only poses relative to each other are known: most cameras stay where they are, or all move least together. Only ratios of gains are
+//! known: the mean stays.
 
 mod capture_correction;
 mod clock;
@@ -46,12 +47,15 @@ pub use report::{
 pub use together::Aligned;
 pub use view_alignment::align_view;
 
-use crate::capture::{Capture, conventions, in_perspective};
+use crate::capture::conventions::{self, Alternative, Evidence, Finding, Reading};
+use crate::capture::{Camera, Capture, in_perspective};
 use crate::error::Result;
 use crate::job::Job;
 use crate::settings::{AlignSettings, Correction};
+use color_lens::ColorLens;
 use color_lens_search::{FoundLenses, LEAST_CAMERAS, LensCorrection};
 use grouped::{aligned_in_groups, groups};
+use judge::is_of_one_device;
 use rendered::left;
 use report::FoundCorrections;
 use solver::Problem;
@@ -91,7 +95,9 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         _ => FoundLenses::default(),
     };
     let FoundLenses { kept: mut lenses, refused } = found;
-    let refused = refused.iter().map(|lens| AlignedLens::new(lens).refusal()).collect();
+    let refused: Vec<String> = refused.iter().map(|lens| AlignedLens::new(lens).refusal()).collect();
+    let answers_lens =
+        refused.is_empty() && looked.as_ref().is_some_and(|looked| looked.problem.is_of_sensor());
     let mut measured = Vec::new();
     if is_rendered && settings.lens == Correction::Auto {
         measured.extend(lenses.drain(..).map(|lens| left(&AlignedLens::new(&lens).sentence(), "lens")));
@@ -117,7 +123,7 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
         };
         aligned_beside_lenses(&seen, problem, &lenses, &asked, job)?
     };
-    let mut found = with_refusals(found, refused, capture)?;
+    let mut found = with_refusals(found, refused, answers_lens, capture)?;
     if !measured.is_empty() {
         found.alignment.get_or_insert_default().measured.splice(0..0, measured);
     }
@@ -126,13 +132,20 @@ pub fn align(capture: &Capture, settings: &AlignSettings, job: &Job) -> Result<A
 }
 
 /// `found`, or nothing where the capture is misread: cameras then disagree for that reason. `refused` joins the list of what is left as
-/// it is.
-fn with_refusals(found: Option<Aligned>, refused: Vec<String>, capture: &Capture) -> Result<Aligned> {
+/// it is. Where alignment `answers_lens`, a reading of lenses that two sensors of one device may have forbids nothing: it asks what the
+/// search for color lenses was asked too, and that one judges what it finds.
+fn with_refusals(
+    found: Option<Aligned>,
+    refused: Vec<String>,
+    answers_lens: bool,
+    capture: &Capture,
+) -> Result<Aligned> {
     if found.is_none() && refused.is_empty() {
         return Ok(Aligned::unchanged(capture));
     }
     let reading = conventions::check(capture)?;
-    if reading.alternative().is_some() {
+    let is_misread = |other: &Alternative| !answers_lens || !is_of_color_lens(other, &reading, capture);
+    if reading.alternative().is_some_and(is_misread) {
         let misread = Alignment { misread: Some(reading), ..Alignment::default() };
         return Ok(Aligned::refused(capture, misread));
     }
@@ -141,6 +154,18 @@ fn with_refusals(found: Option<Aligned>, refused: Vec<String>, capture: &Capture
         found.alignment.get_or_insert_default().refused.splice(0..0, refused);
     }
     Ok(found)
+}
+
+/// Whether pictures ask for nothing but other lenses, all of which two sensors of one device may have beside those claimed.
+fn is_of_color_lens(other: &Alternative, finding: &Finding, capture: &Capture) -> bool {
+    let Reading { lens, .. } = other.reading;
+    let is_of_one_device = |camera: &Camera| {
+        let claimed = camera.intrinsics;
+        is_of_one_device(&ColorLens::of_depth(lens.of(&claimed)).unknowns(&claimed, 1.0))
+    };
+    matches!(other.evidence, Evidence::Pictures { .. })
+        && other.reading == Reading { lens, ..finding.claimed }
+        && capture.cameras.iter().all(is_of_one_device)
 }
 
 /// How many cameras of a capture are aligned together at most; `None` where all are.
@@ -199,7 +224,7 @@ mod tests {
     use super::*;
     use crate::demo::{Demo, DemoSpec};
     use crate::settings::CaptureSettings;
-    use color_lens::{ColorLens, UNKNOWNS};
+    use color_lens::UNKNOWNS;
 
     #[test]
     fn a_color_lens_is_kept_where_no_cameras_overlap_once_they_have_it() {

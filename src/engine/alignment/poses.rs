@@ -4,7 +4,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use rayon::prelude::*;
 
 use super::judge::{Judgment, PoseJudgment, is_of_a_rig};
-use super::normal_equations::eigen;
+use super::normal_equations::{NormalEquations, eigen};
 use super::reference_view::LEVELS;
 use super::regions::RegionShares;
 use super::residuals::{GAIN, UNKNOWNS};
@@ -112,38 +112,49 @@ impl Problem {
     }
 }
 
-/// Turns and shifts all cameras together so that most of them stay where they were: the poses are known only relative to each
-/// other.
+/// Turns and shifts all cameras together so that they move least from where they were: the poses are known only relative to each other.
 pub(crate) fn hold_most(problem: &mut Problem, claimed: &[DAffine3]) {
     const ROUNDS: usize = 20;
     for _ in 0..ROUNDS {
-        let offs: Vec<(DVec3, DVec3, f64)> = problem
-            .views
-            .iter()
-            .enumerate()
-            .map(|(index, view)| {
-                let (now, then) = (view.camera.world_from_camera, claimed[index]);
-                let turn = DQuat::from_mat3(&(then.matrix3 * now.matrix3.transpose())).to_scaled_axis();
-                let off = problem.displacement(index, &now, &then);
-                (turn, then.translation - now.translation, 1.0 / off.max(0.05))
-            })
-            .collect();
-        let total: f64 = offs.iter().map(|(_, _, weight)| weight).sum();
-        let turn: DVec3 = offs.iter().map(|(turn, _, weight)| *turn * *weight).sum::<DVec3>() / total;
-        let weighted = |of: &dyn Fn(usize) -> DVec3| -> DVec3 {
-            offs.iter().enumerate().map(|(index, (_, _, weight))| of(index) * *weight).sum::<DVec3>() / total
-        };
-        let center = weighted(&|index| problem.views[index].camera.position_in_world());
-        let shift = weighted(&|index| offs[index].1);
-        let rotation = DQuat::from_scaled_axis(turn);
-        let change = DAffine3::from_translation(center + shift)
-            * DAffine3::from_quat(rotation)
-            * DAffine3::from_translation(-center);
+        let Some(change) = problem.move_of_all(claimed) else { return };
         for view in &mut problem.views {
             let mut pose = change * view.camera.world_from_camera;
             make_rigid(&mut pose);
             view.camera.world_from_camera = pose;
         }
+    }
+}
+
+impl Problem {
+    /// What brings all cameras together nearer to where they were. Turns count beside shifts, and both by their sizes rather than squares:
+    /// cameras that stayed hold the others, and so do the places of cameras that all turned.
+    fn move_of_all(&self, claimed: &[DAffine3]) -> Option<DAffine3> {
+        let (poses, inverse_depth) = (self.poses(), self.scale.inverse_depth);
+        let center = poses.iter().map(|pose| pose.translation).sum::<DVec3>() / poses.len() as f64;
+        let least = LEAST_MOVE / self.scale.focal;
+        let mut equations = NormalEquations::new(GAIN);
+        for (now, then) in poses.iter().zip(claimed) {
+            let turn = DQuat::from_mat3(&(then.matrix3 * now.matrix3.transpose())).to_scaled_axis();
+            let shift = (then.translation - now.translation) * inverse_depth;
+            let arm = (now.translation - center) * inverse_depth;
+            let shift_by_turn = DVec3::AXES.map(|axis| axis.cross(arm));
+            for (off, by) in [
+                (turn, [DVec3::AXES, [DVec3::ZERO; 3]].concat()),
+                (shift, [shift_by_turn, DVec3::AXES].concat()),
+            ] {
+                let weight = 1.0 / off.length().max(least);
+                for (row, own) in by.iter().enumerate() {
+                    equations.right[row] += weight * own.dot(off);
+                    for (column, other) in by.iter().enumerate().take(row + 1) {
+                        equations.add(row, column, weight * own.dot(*other));
+                    }
+                }
+            }
+        }
+        let step = equations.factor()?.solve(&equations.right);
+        let shift = DVec3::from_slice(&step[3..]) / inverse_depth;
+        let turn = DAffine3::from_quat(DQuat::from_scaled_axis(DVec3::from_slice(&step)));
+        Some(DAffine3::from_translation(center + shift) * turn * DAffine3::from_translation(-center))
     }
 }
 

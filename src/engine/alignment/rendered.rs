@@ -30,6 +30,12 @@ impl Problem {
         let agreeing = (apart.len() as f64 * AGREEING_PAIRS) as usize;
         apart[agreeing] < EXACT_FOOTPRINTS
     }
+
+    /// Whether most depth is that of a sensor: rougher than rounding makes it, or full of holes.
+    pub(super) fn is_of_sensor(&self) -> bool {
+        let views = self.views.par_iter().zip(&self.samples);
+        2 * views.filter(|(view, samples)| !has_exact_depth(view, samples.len())).count() > self.views.len()
+    }
 }
 
 /// The words for what is measured of what a program rendered, and left as it is.

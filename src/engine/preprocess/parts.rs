@@ -138,8 +138,8 @@ impl Measured {
         settings.validate("settings")?;
         let frames_read = Arc::new(Mutex::new(BTreeSet::new()));
         let noted = noting_frames_read(capture, frames_read.clone());
-        let conventions = better_conventions(&noted)?;
         let Aligned { capture, alignment, correction } = alignment::align(&noted, &settings.align, job)?;
+        let conventions = better_conventions(&noted, &correction)?;
         let capture = edits::without_removed_pixels(&capture, edits, edited_cache_bytes(settings));
         job.start("Measuring noise", capture.cameras.len());
         let preview = |camera| {

@@ -11,7 +11,7 @@ use super::layers::CameraLayer;
 use super::normals::{NormalErrors, compare_with_given};
 use super::pruning::{SpanStack, StaticLayer, rated, static_layers};
 use super::temporal::{self, TemporalScan};
-use crate::alignment::{self, Aligned, Alignment};
+use crate::alignment::{self, Aligned, Alignment, CaptureCorrection};
 use crate::capture::conventions::{self, Finding};
 use crate::capture::{Camera, Capture};
 use crate::edits::{self, EditList};
@@ -63,8 +63,8 @@ impl PreparedScan {
         edits: &EditList,
         job: &Job,
     ) -> Result<Self> {
-        let conventions = better_conventions(capture)?;
         let mut aligned = alignment::align(capture, &settings.align, job)?;
+        let conventions = better_conventions(capture, &aligned.correction)?;
         let frames = 0..aligned.capture.frame_count();
         let removed = edits::count_removed_pixels(&aligned.capture, edits, frames, job)?;
         aligned.capture =
@@ -135,12 +135,16 @@ impl PreparedScan {
     }
 }
 
-/// How poses and depth would fit far better between the cameras of a capture than as it says, where they would.
+/// How poses and depth would fit far better between the cameras of a capture than as it says, where they would. A color lens that is
+/// corrected leaves nothing to say of lenses, and is corrected of no capture that is misread otherwise.
 ///
 /// # Errors
 /// Those of reading a few frames.
-pub(crate) fn better_conventions(capture: &Capture) -> Result<Option<Finding>> {
-    if capture.cameras.len() < 2 || capture.frame_count() == 0 {
+pub(crate) fn better_conventions(
+    capture: &Capture,
+    correction: &CaptureCorrection,
+) -> Result<Option<Finding>> {
+    if capture.cameras.len() < 2 || capture.frame_count() == 0 || correction.is_of_a_lens() {
         return Ok(None);
     }
     Ok(Some(conventions::check(capture)?).filter(|found| found.alternative().is_some()))
