@@ -89,7 +89,7 @@ const IMPORTS = {
 function page() {
   const script = (viewer === "spark" ? SPARK : BABYLON).replace("SETTINGS", values.settings);
   const map = JSON.stringify({ imports: IMPORTS });
-  return `<!doctype html><style>body{margin:0}canvas{display:block}</style><script type="importmap">${map}</script>
+  return `<!doctype html><link rel="icon" href="data:,"><style>body{margin:0}canvas{display:block}</style><script type="importmap">${map}</script>
 <body><script type="module">${script}</script>`;
 }
 
@@ -102,7 +102,7 @@ const server = createServer((request, answer) => {
     const bytes = isPage ? page() : readFileSync(file);
     answer.writeHead(200, { "content-type": isPage ? "text/html" : kinds[extname(file)] ?? "application/octet-stream" });
     answer.end(bytes);
-  } catch (error) { console.error(error.message);
+  } catch {
     answer.writeHead(404).end();
   }
 });
@@ -129,11 +129,13 @@ try {
   for (const view of readViews(viewsFile, Number(values.frame))) {
     await tab.setViewport({ width: view.width, height: view.height });
     await tab.evaluate((seen) => window.show(seen), seenFrom(view));
-    // Splats are sorted beside the drawing: until a picture stays.
-    let [before, now] = ["", await tab.evaluate("picture()")];
-    for (; before !== now; now = await tab.evaluate("picture()")) {
-      before = now;
-      await new Promise((done) => setTimeout(done, 700));
+    // Splats are sorted beside the drawing: until a picture has stayed for some seconds.
+    let now = "";
+    for (let same = 0; same < 4; ) {
+      const before = now;
+      now = await tab.evaluate("picture()");
+      same = now === before ? same + 1 : 0;
+      await new Promise((done) => setTimeout(done, 800));
     }
     const path = join(out, view.name);
     mkdirSync(dirname(path), { recursive: true });

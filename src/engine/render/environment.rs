@@ -162,8 +162,7 @@ pub(crate) fn surroundings(
         distances[cell] = distances[cell].max(distance);
     }
     let mut sums = vec![[0.0; 4]; sky.cells.len()];
-    for (cell, distance, color) in
-        surfaces().filter(|(cell, distance, _)| *distance > FAR_SHARE * distances[*cell])
+    for (cell, _, color) in surfaces().filter(|(cell, distance, _)| *distance > FAR_SHARE * distances[*cell])
     {
         let [red, green, blue] = color.map(f16::to_f32);
         sums[cell].iter_mut().zip([red, green, blue, 1.0]).for_each(|(sum, part)| *sum += part);

@@ -12,9 +12,9 @@ use super::gaussian::Gaussian;
 use crate::capture::Camera;
 use crate::samples::SampleImage;
 
-/// The radii are this many times those of the samples. With [`BEHIND`], measured in a room of nine cameras: by the published formula with
-/// its anti-aliasing factor samples alone gave 26.0 dB (28.7 where they are half as wide again), with backs 30.1. Half as far behind
-/// gives 29.8, twice as far 29.4, a third wider 29.7.
+/// The radii are this many times those of the samples. Measured at three true pictures of a room of nine cameras, 640 × 480, by the
+/// published formula with its anti-aliasing factor, where our pictures have 35.6 dB: samples alone give 23.9, half as wide again at
+/// best 28.4, with backs 30.5. Backs half as far behind or twice as far lose 0.3 to 0.7 dB, a third wider ones 0.4.
 const WIDER: f32 = 3.0;
 
 /// A back lies behind its surface by this many times the samples' radius.
@@ -119,7 +119,7 @@ mod tests {
     use glam::{DAffine3, DVec2, DVec3, Mat2, Vec2};
 
     /// Pixels along each side of a wall.
-    const SIDE: usize = 32;
+    const SIDE: u32 = 32;
 
     /// The splats of a wall that a camera looks straight at, one unit a pixel, with y up, z back and the middle at the origin.
     fn wall() -> Vec<Gaussian> {
@@ -127,15 +127,16 @@ mod tests {
         let world_from_camera = DAffine3::from_translation(DVec3::new(0.0, 0.0, -1000.0));
         let camera = Camera { name: "c".into(), intrinsics, world_from_camera };
         let look = Look { normal_in_world: Vec3::NEG_Z, color: [0.5; 3], is_doubtful: false };
-        let splat = |(x, y): (usize, usize)| {
-            let ray_in_camera = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+        let splat = |(x, y): (u32, u32)| {
+            let ray_in_camera =
+                camera.intrinsics.ray_in_camera(DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5));
             let point_in_world = camera.world_from_camera.transform_point3(ray_in_camera * 1000.0);
-            let sample = Sample { x, y, index: 0 };
+            let sample = Sample { x: x as usize, y: y as usize, index: 0 };
             let placed = PlacedSample { sample, ray_in_camera, depth: 1000.0, point_in_world };
             Gaussian::of_sample(&placed, &camera, &look, &Space::upright(Axes::BackUp))
         };
         let blocks = (0..SIDE * SIDE / 4).map(|nth| (nth % (SIDE / 2) * 2, nth / (SIDE / 2) * 2));
-        let of_block = |(x, y): (usize, usize)| [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(splat);
+        let of_block = |(x, y): (u32, u32)| [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].map(splat);
         blocks.map(of_block).flat_map(|block| [&block[..], &[back(block)]].concat()).collect()
     }
 
@@ -168,7 +169,7 @@ mod tests {
                     let at = Vec2::new((place % 8) as f32, (place / 8) as f32 * cos) * (pixels / 4.0);
                     for is_antialiased in [false, true] {
                         let shown = shown_behind(&wall, axes, at, is_antialiased);
-                        assert!(shown < 0.03, "{pixels} {slant} {is_antialiased}: {shown}");
+                        assert!(shown < 0.04, "{pixels} {slant} {is_antialiased}: {shown}");
                     }
                 }
             }

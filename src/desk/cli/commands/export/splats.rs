@@ -27,7 +27,7 @@ pub(crate) struct SplatsArgs {
     /// Most splats of a file, as in 300000, 500k or 1.5M: samples are merged where that shows least.
     #[arg(long, value_name = "N", value_parser = input::amount)]
     at_most_splats: Option<u64>,
-    /// What becomes of samples at infinity.
+    /// What becomes of samples at infinity: a far dome of splats, which also closes holes behind the scene, or nothing.
     #[arg(long, default_value = SplatSky::Dome.name(), value_parser = input::choice::<SplatSky>(SplatSky::NAMES))]
     sky: SplatSky,
     /// Frames a second of a scene in time, as GLB and USDA hold it.
