@@ -142,7 +142,7 @@ impl Default for Options {
             page_is_bounded: false,
             page_megabytes: 10.0,
             format: SplatFormat::Ply,
-            sky: SplatSky::Out,
+            sky: SplatSky::Dome,
             splats_are_bounded: false,
             kilosplats: 500,
             along_path: false,

@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use glam::Vec3;
+use half::f16;
 use rayon::prelude::*;
 
 use super::geometry::rays_in_world;
@@ -30,6 +31,12 @@ const FULL_COUNT: f32 = 16.0;
 /// Weight of a sample with a missing neighbor. Pruning may have dropped the neighbor from a surface whose color this sample is blended
 /// with.
 const BESIDE_MISSING: f32 = 1.0 / 64.0;
+
+/// Surfaces in one direction count where they are at least this share as far off as the farthest.
+const FAR_SHARE: f64 = 0.8;
+
+/// Weight of all surfaces in a cell: so small that the sky wins within some sixteen degrees of where it was seen.
+const WEIGHT_OF_SURFACES: f32 = FULL_COUNT / 64.0;
 
 /// Weighted sums of red, green and blue, and the sum of weights.
 type CellSum = [f32; 4];
@@ -120,6 +127,53 @@ pub(crate) fn sky_map(set: &SampleSet, frame: usize, directions: &[Vec3]) -> Res
     let samples = FrameSamples::at(set, frame)?;
     let environment = Environment::new(&SkySums::new(&samples, 0..samples.tile_count(), None));
     Ok(environment.map(|sky| directions.iter().map(|direction| sky.color(*direction)).collect()))
+}
+
+/// As [`sky_map`], but far from where the sky was seen, in the colors of the farthest surfaces that hide it. Those farther off than
+/// `farthest`, in world units, do not count.
+///
+/// # Errors
+/// As [`FrameSamples::at`].
+pub(crate) fn surroundings(
+    set: &SampleSet,
+    frame: usize,
+    farthest: f64,
+    directions: &[Vec3],
+) -> Result<Option<Vec<[f32; 3]>>> {
+    let samples = FrameSamples::at(set, frame)?;
+    let sky = SkySums::new(&samples, 0..samples.tile_count(), None);
+    if sky.cells.is_empty() {
+        return Ok(None);
+    }
+    // By the direction from the camera, as the sky's.
+    let surfaces = || {
+        set.images_at(frame).filter(|image| !image.is_empty()).flat_map(|image| {
+            let camera = &set.cameras[image.camera as usize];
+            let near = image.placed(camera).filter(|placed| placed.depth < farthest);
+            near.map(move |placed| {
+                let sight = placed.point_in_world - camera.position_in_world();
+                let cell = cell_of(sight.as_vec3().normalize_or_zero());
+                (cell, sight.length(), image.color[placed.sample.index])
+            })
+        })
+    };
+    let mut distances = vec![0.0_f64; sky.cells.len()];
+    for (cell, distance, _) in surfaces() {
+        distances[cell] = distances[cell].max(distance);
+    }
+    let mut sums = vec![[0.0; 4]; sky.cells.len()];
+    for (cell, _, color) in surfaces().filter(|(cell, distance, _)| *distance > FAR_SHARE * distances[*cell])
+    {
+        let [red, green, blue] = color.map(f16::to_f32);
+        sums[cell].iter_mut().zip([red, green, blue, 1.0]).for_each(|(sum, part)| *sum += part);
+    }
+    let joined = |(sky, of_surfaces): (&CellSum, &CellSum)| {
+        let weight = WEIGHT_OF_SURFACES / of_surfaces[3].max(1.0);
+        std::array::from_fn(|channel| sky[channel] + weight * of_surfaces[channel])
+    };
+    let cells: Vec<CellSum> = sky.cells.iter().zip(&sums).map(joined).collect();
+    let environment = Environment { cells: filled(&cells, FINEST) };
+    Ok(Some(directions.iter().map(|direction| environment.color(*direction)).collect()))
 }
 
 /// How many pixels of a picture that no sample of `set` reached show what cameras saw at infinity in that direction. It is decided by

@@ -41,7 +41,7 @@ mod vantage;
 pub use carried_picture::{CarriedPicture, PictureCarrier, ScreenColor, ScreenPicture};
 pub use cpu::CpuRenderer;
 pub use environment::background_holes;
-pub(crate) use environment::sky_map;
+pub(crate) use environment::{sky_map, surroundings};
 pub use equirectangular::{FACE_COUNT, Projection, equirectangular, faces_around};
 pub use orthographic::OrthographicView;
 pub use painter::Painter;

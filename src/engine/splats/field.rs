@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
 
+use super::backs::{back, blocks};
 use super::gaussian::{Gaussian, Look};
 use super::normals::normals;
 use super::options::{SplatAmount, SplatSky};
@@ -17,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::job::Job;
 use crate::page::{Coarsening, LeveledImage};
 use crate::plural::counted;
-use crate::render::sky_map;
+use crate::render::surroundings;
 use crate::samples::{PlacedSample, SampleImage, SampleSet, Span, halved_camera};
 
 /// World units beyond which a sample counts as one at infinity: squares of its coordinates leave single precision not much farther off.
@@ -32,6 +33,8 @@ pub(super) struct SpanSplats {
     has_dome: bool,
     /// How many there are.
     pub(super) count: u64,
+    /// How many of them are backs.
+    backs: u64,
 }
 
 /// All splats of a set, made when they are asked for.
@@ -44,30 +47,48 @@ pub(super) struct Field<'a> {
     /// Longest first, then earliest; none without a splat.
     pub(super) spans: Vec<SpanSplats>,
     dome: Vec<Gaussian>,
+    has_backs: bool,
     /// Samples that are not at infinity in the set.
     pub(super) placed: u64,
     /// Samples at infinity in the set.
     pub(super) at_infinity: u64,
 }
 
-/// How many samples of images have a place.
-fn placed_count(images: &[LeveledImage]) -> u64 {
-    images.par_iter().map(|image| places(&image.samples).count() as u64).sum()
+/// How many samples of an image have a place.
+fn placed_count(image: &SampleImage) -> u64 {
+    image.inverse_depths().into_iter().filter(|depth| is_near(*depth)).count() as u64
 }
 
-/// Inverse depths of the samples that have a place.
-fn places(image: &SampleImage) -> impl Iterator<Item = f32> {
-    image.inverse_depths().into_iter().filter(|depth| f64::from(*depth) > 1.0 / FARTHEST)
+/// Whether a sample of some inverse depth has a place.
+pub(super) fn is_near(inverse_depth: f32) -> bool {
+    f64::from(inverse_depth) > 1.0 / FARTHEST
+}
+
+/// Cameras of a set by the level at which an image may be.
+fn leveled(set: &SampleSet, images: &[LeveledImage]) -> Vec<Vec<Camera>> {
+    let coarsest = images.iter().map(|image| image.level).max().unwrap_or(0);
+    let mut cameras = vec![set.cameras.clone()];
+    for level in 0..coarsest {
+        let halved = cameras[level].iter().map(halved_camera).collect();
+        cameras.push(halved);
+    }
+    cameras
 }
 
 impl<'a> Field<'a> {
-    /// The splats of a set, in some axes: as few as are asked for.
+    /// The splats of a set, in some axes: as few as are asked for, with or without backs behind surfaces.
     ///
     /// # Errors
     /// `Invalid` where the set holds no sample with a place, or too many at its coarsest; `Cancelled`.
-    pub(super) fn new(set: &'a SampleSet, space: Space, amount: SplatAmount, job: &Job) -> Result<Self> {
+    pub(super) fn new(
+        set: &'a SampleSet,
+        space: Space,
+        amount: SplatAmount,
+        has_backs: bool,
+        job: &Job,
+    ) -> Result<Self> {
         let fine: Vec<_> = set.images.iter().map(|image| LeveledImage::fine(Arc::clone(image))).collect();
-        let placed = placed_count(&fine);
+        let placed: u64 = set.images.par_iter().map(|image| placed_count(image)).sum();
         if placed == 0 {
             let what =
                 "is not written: the store holds no sample that has a place; name another frame or store";
@@ -76,23 +97,20 @@ impl<'a> Field<'a> {
         let dome = if amount.sky == SplatSky::Dome { dome(set, FARTHEST, &space)? } else { Vec::new() };
         let of_dome = dome.len() as u64;
         let images = match amount.at_most {
-            Some(most) if placed + of_dome > most => fitting(set, most.saturating_sub(of_dome), job)?,
-            _ => fine,
+            Some(most) => fitting(set, fine, most.saturating_sub(of_dome), has_backs, job)?,
+            None => fine,
         };
-        let coarsest = images.iter().map(|image| image.level).max().unwrap_or(0);
-        let mut cameras = vec![set.cameras.clone()];
-        for level in 0..coarsest {
-            let halved = cameras[level].iter().map(halved_camera).collect();
-            cameras.push(halved);
-        }
+        let cameras = leveled(set, &images);
+        let counts = counts(&images, &cameras, has_backs);
         let frames = set.frame_count();
         let mut field = Self {
             set,
             space,
-            spans: spans(&images, of_dome, frames),
+            spans: spans(&images, &counts, of_dome, frames),
             images,
             cameras,
             dome,
+            has_backs,
             placed,
             at_infinity: set.sample_count() - placed,
         };
@@ -105,6 +123,11 @@ impl<'a> Field<'a> {
         self.spans.iter().map(|span| span.count).sum()
     }
 
+    /// How many of them are backs.
+    pub(super) fn back_count(&self) -> u64 {
+        self.spans.iter().map(|span| span.backs).sum()
+    }
+
     /// How many of them are the sky's.
     pub(super) fn dome_count(&self) -> u64 {
         self.dome.len() as u64
@@ -114,22 +137,29 @@ impl<'a> Field<'a> {
         &self.cameras[image.level][image.samples.camera as usize]
     }
 
-    /// The splats of a span, in the order of its images, then those of the sky.
+    /// The splats of a span, in the order of its images, then their backs, then those of the sky.
     ///
     /// # Errors
     /// `Cancelled`.
     pub(super) fn splats(&self, span: &SpanSplats, job: &Job) -> Result<Vec<Gaussian>> {
-        let of_images: Result<Vec<Vec<Gaussian>>> = span
+        let of_images: Result<Vec<[Vec<Gaussian>; 2]>> = span
             .images
             .par_iter()
             .map(|index| {
                 job.check()?;
-                let splats = self.splats_of(&self.images[*index]);
+                let image = &self.images[*index];
+                let splats = self.splats_of(image);
+                let blocks =
+                    if self.has_backs { blocks(&image.samples, self.camera(image)) } else { Vec::new() };
+                let backs = blocks.into_iter().map(|block| back(block.map(|nth| splats[nth as usize])));
+                let backs = backs.collect();
                 job.advance(1);
-                Ok(splats)
+                Ok([splats, backs])
             })
             .collect();
-        let mut splats = of_images?.concat();
+        let of_images = of_images?;
+        let layers = [0, 1].map(|layer| of_images.iter().flat_map(move |layers| &layers[layer]));
+        let mut splats: Vec<Gaussian> = layers.into_iter().flatten().copied().collect();
         if span.has_dome {
             splats.extend_from_slice(&self.dome);
         }
@@ -137,18 +167,13 @@ impl<'a> Field<'a> {
     }
 
     /// The lowest and highest coordinates of the centers of a span's splats, as they are written.
-    pub(super) fn bounds(&self, span: &SpanSplats) -> [Vec3; 2] {
-        let join = |[low, high]: [Vec3; 2], point: Vec3| [low.min(point), high.max(point)];
-        let none = || [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        let of_images = span.images.par_iter().map(|index| {
-            let image = &self.images[*index];
-            let camera = self.camera(image);
-            let points = placed(&image.samples, camera).map(|placed| self.space.place(placed.point_in_world));
-            points.fold(none(), join)
-        });
-        let bounds = of_images.reduce(none, |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-        let dome = if span.has_dome { self.dome.as_slice() } else { &[] };
-        dome.iter().fold(bounds, |bounds, splat| join(bounds, splat.center))
+    ///
+    /// # Errors
+    /// `Cancelled`.
+    pub(super) fn bounds(&self, span: &SpanSplats, job: &Job) -> Result<[Vec3; 2]> {
+        let none = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let centers = self.splats(span, job)?.into_iter().map(|splat| splat.center);
+        Ok(centers.fold(none, |[low, high], center| [low.min(center), high.max(center)]))
     }
 
     fn splats_of(&self, image: &LeveledImage) -> Vec<Gaussian> {
@@ -179,15 +204,37 @@ impl<'a> Field<'a> {
 
 /// The samples of an image that have a place.
 fn placed<'a>(image: &'a SampleImage, camera: &'a Camera) -> impl Iterator<Item = PlacedSample> + 'a {
-    image.placed(camera).filter(|placed| 1.0 / placed.depth > 1.0 / FARTHEST)
+    image.placed(camera).filter(|placed| is_near((1.0 / placed.depth) as f32))
 }
 
-/// Images of at most so many samples that have a place, merged where that loses least.
-fn fitting(set: &SampleSet, most: u64, job: &Job) -> Result<Vec<LeveledImage>> {
+/// Of each image the samples that have a place, and the backs.
+fn counts(images: &[LeveledImage], cameras: &[Vec<Camera>], has_backs: bool) -> Vec<[u64; 2]> {
+    let of_image = |image: &LeveledImage| {
+        let camera = &cameras[image.level][image.samples.camera as usize];
+        let backs = if has_backs { blocks(&image.samples, camera).len() as u64 } else { 0 };
+        [placed_count(&image.samples), backs]
+    };
+    images.par_iter().map(of_image).collect()
+}
+
+/// Images of at most so many splats without the sky's, `fine` where these are no more, else merged where that loses least.
+fn fitting(
+    set: &SampleSet,
+    fine: Vec<LeveledImage>,
+    most: u64,
+    has_backs: bool,
+    job: &Job,
+) -> Result<Vec<LeveledImage>> {
+    let count_of = |images: &[LeveledImage]| {
+        counts(images, &leveled(set, images), has_backs).iter().flatten().sum::<u64>()
+    };
+    if count_of(&fine) <= most {
+        return Ok(fine);
+    }
     let mut count = 0;
     let best = Coarsening::new(set, job)?.finest(usize::BITS as usize, |images| {
         job.check()?;
-        count = placed_count(images);
+        count = count_of(images);
         Ok((count <= most).then(|| images.to_vec()))
     })?;
     best.ok_or_else(|| {
@@ -201,7 +248,7 @@ fn fitting(set: &SampleSet, most: u64, job: &Job) -> Result<Vec<LeveledImage>> {
 }
 
 /// The spans of images, longest first, then earliest. The dome is seen over all frames.
-fn spans(images: &[LeveledImage], of_dome: u64, frames: usize) -> Vec<SpanSplats> {
+fn spans(images: &[LeveledImage], counts: &[[u64; 2]], of_dome: u64, frames: usize) -> Vec<SpanSplats> {
     let mut by_span: BTreeMap<(Reverse<usize>, Span), Vec<usize>> = BTreeMap::new();
     let whole = Span { start: 0, end: frames as u32 };
     if of_dome > 0 {
@@ -213,8 +260,10 @@ fn spans(images: &[LeveledImage], of_dome: u64, frames: usize) -> Vec<SpanSplats
     }
     let spans = by_span.into_iter().map(|((_, span), of_span)| {
         let has_dome = of_dome > 0 && span == whole;
-        let placed: u64 = of_span.iter().map(|index| places(&images[*index].samples).count() as u64).sum();
-        SpanSplats { span, images: of_span, has_dome, count: placed + if has_dome { of_dome } else { 0 } }
+        let sum = |part: usize| of_span.iter().map(|index| counts[*index][part]).sum::<u64>();
+        let (placed, backs) = (sum(0), sum(1));
+        let count = placed + backs + if has_dome { of_dome } else { 0 };
+        SpanSplats { span, images: of_span, has_dome, count, backs }
     });
     spans.collect()
 }
@@ -238,8 +287,8 @@ pub(super) fn of_frame(set: &SampleSet, frame: usize) -> SampleSet {
 /// Splats of the dome, two degrees apart: as fine as the sky is known.
 const SPLATS: usize = 10_000;
 
-/// Width of a splat over its distance from the next: narrower ones let what is behind them show through between them.
-const OVERLAP: f64 = 2.0;
+/// Radius of a splat over its distance from the next: narrower ones let what is behind them show through between them.
+const OVERLAP: f64 = 1.0;
 
 /// The dome is this many times as far off as the farthest sample.
 const DISTANCE: f64 = 8.0;
@@ -248,7 +297,8 @@ const DISTANCE: f64 = 8.0;
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// The sky at the first frame, continued into all directions, around the middle of the cameras; nothing where no sample is at infinity.
-/// Samples farther off than `farthest`, in world units, count as such.
+/// Far from where it was seen, the farthest surfaces lend their colors: viewers fill no hole, and a hole is rarely one to the sky. Samples
+/// farther off than `farthest`, in world units, count as at infinity.
 ///
 /// # Errors
 /// Those of the sky's map.
@@ -263,14 +313,14 @@ pub(super) fn dome(set: &SampleSet, farthest: f64, space: &Space) -> Result<Vec<
         .collect();
     let looked: Vec<Vec3> =
         directions.iter().map(|direction| direction.as_vec3().normalize_or_zero()).collect();
-    let Some(colors) = sky_map(set, 0, &looked)? else { return Ok(Vec::new()) };
     let count = set.cameras.len().max(1) as f64;
     let middle = set.cameras.iter().map(|camera| camera.position_in_world() / count).sum::<DVec3>();
-    let radius = DISTANCE * reach(set, middle, farthest);
-    let width = OVERLAP * radius * (4.0 * std::f64::consts::PI / SPLATS as f64).sqrt();
+    let Some(colors) = surroundings(set, 0, farthest, &looked)? else { return Ok(Vec::new()) };
+    let distance = DISTANCE * reach(set, middle, farthest);
+    let radius = OVERLAP * distance * (4.0 * std::f64::consts::PI / SPLATS as f64).sqrt();
     let splats = directions.into_iter().zip(colors);
     let splats = splats.map(|(direction, color)| {
-        Gaussian::facing(middle + direction * radius, -direction, width, color, space)
+        Gaussian::facing(middle + direction * distance, -direction, radius, color, space)
     });
     Ok(splats.collect())
 }
@@ -309,7 +359,7 @@ pub fn arrays(set: &SampleSet, frame: usize, amount: SplatAmount, job: &Job) -> 
     if !has_place {
         return Ok(arrays);
     }
-    let field = Field::new(&set, Space::of_world(&set), amount, job)?;
+    let field = Field::new(&set, Space::of_world(&set), amount, false, job)?;
     for span in &field.spans {
         for splat in field.splats(span, job)? {
             let center = splat.center.as_dvec3() + field.space.origin_in_world;

@@ -101,7 +101,7 @@ pub(super) fn write(
     job: &Job,
 ) -> Result<()> {
     let io = |error| Error::io(place, error);
-    let layout = Layout::new(field, name, timing);
+    let layout = Layout::new(field, name, timing, job)?;
     let mut text =
         serde_json::to_vec(&layout.document).map_err(|error| Error::invalid(name, error.to_string()))?;
     text.resize(text.len().next_multiple_of(4), b' ');
@@ -153,7 +153,7 @@ struct Lists {
 }
 
 impl Layout {
-    fn new(field: &Field<'_>, name: &str, timing: Timing) -> Self {
+    fn new(field: &Field<'_>, name: &str, timing: Timing, job: &Job) -> Result<Self> {
         let mut lists = Lists::default();
         let children: Vec<usize> = (1..=field.spans.len()).collect();
         let mut root = json!({ "name": name, "children": children });
@@ -162,14 +162,14 @@ impl Layout {
         }
         lists.nodes.push(root);
         for span in &field.spans {
-            lists.add_span(span, field.bounds(span), timing);
+            lists.add_span(span, field.bounds(span, job)?, timing);
         }
         lists.finish_animation();
         let mut animation = std::mem::take(&mut lists.times);
         animation.append(&mut lists.visibilities);
         animation.resize(animation.len().next_multiple_of(4), 0);
         let binary_bytes = lists.bytes + animation.len() as u64;
-        Self { document: lists.document(binary_bytes), binary_bytes, animation }
+        Ok(Self { document: lists.document(binary_bytes), binary_bytes, animation })
     }
 }
 

@@ -1,13 +1,14 @@
 //! The kept samples as flat Gaussians, in the formats that viewers of splats open.
 //!
 //! ```text
-//! SampleSet ─ field: spans, budget ─▶ normals ─ gaussian ─▶ splats in the axes of a format ─ ply, spz, glb, usda ─▶ file
+//! SampleSet ─ field: spans, budget ─▶ normals ─ gaussian ─ backs ─▶ splats in the axes of a format ─ ply, spz, glb, usda ─▶ file
 //!                       sky: far dome ──────────────────────────────▲ space, color   └▶ arrays: in the world, for programs
 //! ```
 //!
-//! A splat is centered on its sample, lies in its surface and is as wide as its pixel there: nothing is trained. Colors do not depend on
-//! direction. PLY and SPZ hold one frame; glTF and USD hold each splat once, with the span of frames over which it is seen.
+//! A splat is centered on its sample, lies in its surface and is as wide as its pixel there: nothing is trained. Wider ones behind them keep
+//! surfaces opaque. Colors do not depend on direction. PLY and SPZ hold one frame; glTF and USD hold each splat once, with the span of frames over which it is seen.
 
+mod backs;
 mod field;
 mod gaussian;
 mod glb;
@@ -39,6 +40,8 @@ pub use options::{SplatAmount, SplatFormat, SplatOptions, SplatSky};
 pub struct SplatSummary {
     /// Splats in the file, those of the sky included.
     pub splats: u64,
+    /// Those behind surfaces, which keep them opaque.
+    pub behind: u64,
     /// Those of the sky's dome.
     pub of_sky: u64,
     /// Samples that have a place: each is a splat, unless a budget merges some.
@@ -74,7 +77,7 @@ pub fn write(
     }
     let set = of_frame.as_ref().unwrap_or(set);
     let space = Space::of(set, options.format);
-    let written = Field::new(set, space, options.amount, job).and_then(|field| {
+    let written = Field::new(set, space, options.amount, true, job).and_then(|field| {
         whole_file::write(path, |target| write_field(target, path, set, &field, options, job))
     });
     // What is wrong is wrong with the file that is not written.
@@ -96,6 +99,7 @@ fn write_field(
     let timing = Timing { frames: set.frame_count(), frames_per_second: options.frames_per_second };
     let mut summary = SplatSummary {
         splats: field.count(),
+        behind: field.back_count(),
         of_sky: field.dome_count(),
         samples: field.placed,
         at_infinity: field.at_infinity,

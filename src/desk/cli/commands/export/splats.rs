@@ -27,8 +27,8 @@ pub(crate) struct SplatsArgs {
     /// Most splats of a file, as in 300000, 500k or 1.5M: samples are merged where that shows least.
     #[arg(long, value_name = "N", value_parser = input::amount)]
     at_most_splats: Option<u64>,
-    /// What becomes of samples at infinity.
-    #[arg(long, default_value = SplatSky::Out.name(), value_parser = input::choice::<SplatSky>(SplatSky::NAMES))]
+    /// What becomes of samples at infinity: a far dome of splats, which also closes holes behind the scene, or nothing.
+    #[arg(long, default_value = SplatSky::Dome.name(), value_parser = input::choice::<SplatSky>(SplatSky::NAMES))]
     sky: SplatSky,
     /// Frames a second of a scene in time, as GLB and USDA hold it.
     #[arg(long, default_value_t = 24.0, value_parser = super::pictures::frames_per_second)]
@@ -59,14 +59,17 @@ impl SplatsArgs {
     /// What was done, in one line.
     fn said(&self, written: &[SplatSummary]) -> String {
         let sum = |of: fn(&SplatSummary) -> u64| written.iter().map(of).sum::<u64>();
-        let (splats, of_sky, samples) =
-            (sum(|one| one.splats), sum(|one| one.of_sky), sum(|one| one.samples));
+        let (splats, behind, of_sky) = (sum(|one| one.splats), sum(|one| one.behind), sum(|one| one.of_sky));
+        let samples = sum(|one| one.samples);
         let mut said = vec![format!("Wrote {} to {}", output::count_of(splats, "splat"), self.out.display())];
         if !self.is_one_file() {
             said.push(counted(written.len(), "file"));
         }
-        if splats - of_sky != samples {
+        if splats - behind - of_sky != samples {
             said.push(format!("merged from {}", output::count_of(samples, "sample")));
+        }
+        if behind > 0 {
+            said.push(format!("{} of them behind surfaces", output::count(behind)));
         }
         match (of_sky, sum(|one| one.at_infinity)) {
             (0, 0) => {}

@@ -26,8 +26,8 @@ const FORMATS: [(SplatFormat, &str, &str); 4] = [
 
 /// What becomes of the sky.
 const SKIES: [(SplatSky, &str, &str); 2] = [
-    (SplatSky::Out, "Left out", "No format has a place for what is infinitely far away."),
     (SplatSky::Dome, "Far dome", "Its colors become a dome of splats around the scene."),
+    (SplatSky::Out, "Left out", "No format has a place for what is infinitely far away."),
 ];
 
 /// Whether pictures are EXR.
