@@ -7,8 +7,8 @@
 
 use glam::{Vec3, Vec4};
 
-use super::field::is_near;
 use super::gaussian::Gaussian;
+use super::space::is_near;
 use crate::capture::Camera;
 use crate::samples::SampleImage;
 

@@ -12,7 +12,7 @@ use super::backs::{back, blocks};
 use super::gaussian::{Gaussian, Look};
 use super::normals::normals;
 use super::options::{SplatAmount, SplatSky};
-use super::space::Space;
+use super::space::{FARTHEST, Space, is_near};
 use crate::capture::Camera;
 use crate::error::{Error, Result};
 use crate::job::Job;
@@ -20,9 +20,6 @@ use crate::page::{Coarsening, LeveledImage};
 use crate::plural::counted;
 use crate::render::surroundings;
 use crate::samples::{PlacedSample, SampleImage, SampleSet, Span, halved_camera};
-
-/// World units beyond which a sample counts as one at infinity: squares of its coordinates leave single precision not much farther off.
-const FARTHEST: f64 = 1e15;
 
 /// The splats that are seen over a span of frames.
 #[derive(Debug)]
@@ -57,11 +54,6 @@ pub(super) struct Field<'a> {
 /// How many samples of an image have a place.
 fn placed_count(image: &SampleImage) -> u64 {
     image.inverse_depths().into_iter().filter(|depth| is_near(*depth)).count() as u64
-}
-
-/// Whether a sample of some inverse depth has a place.
-pub(super) fn is_near(inverse_depth: f32) -> bool {
-    f64::from(inverse_depth) > 1.0 / FARTHEST
 }
 
 /// Cameras of a set by the level at which an image may be.

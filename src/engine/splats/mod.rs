@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A splat is centered on its sample, lies in its surface and is as wide as its pixel there: nothing is trained. Wider ones behind them keep
-//! surfaces opaque. Colors do not depend on direction. PLY and SPZ hold one frame; glTF and USD hold each splat once, with the span of frames over which it is seen.
+//! surfaces opaque. Colors do not depend on direction. PLY and SPZ hold one frame; glTF and USD hold each splat once, with the span of frames over
+//! which it is seen.
 
 mod backs;
 mod field;

@@ -5,6 +5,14 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 use super::options::SplatFormat;
 use crate::samples::{SampleSet, are_far_from_origin};
 
+/// World units beyond which a sample counts as one at infinity: squares of its coordinates leave single precision not much farther off.
+pub(super) const FARTHEST: f64 = 1e15;
+
+/// Whether a sample of some inverse depth has a place.
+pub(super) fn is_near(inverse_depth: f32) -> bool {
+    f64::from(inverse_depth) > 1.0 / FARTHEST
+}
+
 /// Which way the axes of a format point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axes {

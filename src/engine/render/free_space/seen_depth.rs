@@ -96,10 +96,12 @@ impl SeenDepths {
             .flat_map_iter(|missing| {
                 let cells: Vec<Camera> =
                     missing.iter().map(|camera| halved_camera(&cameras[*camera])).collect();
-                let already = |camera: &usize| before.and_then(|before| before.cameras[*camera].clone());
+                let already = |camera: &usize| before.and_then(|before| before.cameras[*camera].as_ref());
                 let seen = missing.iter().zip(&cells);
                 let mut seen: Vec<CellDepths> = seen
-                    .map(|(camera, cells)| already(camera).unwrap_or_else(|| CellDepths::empty(cells)))
+                    .map(|(camera, cells)| {
+                        CellDepths::new(cells, already(camera).map(|seen| &seen.nearest[..]))
+                    })
                     .collect();
                 carry(frame, tiles, &cells, &mut seen);
                 missing.iter().copied().zip(seen).collect::<Vec<_>>()
@@ -160,13 +162,13 @@ impl VectorLoop for CarryTiles<'_, '_> {
 }
 
 impl CellDepths {
-    /// A camera that saw nothing, by the camera of its cells.
-    fn empty(cells: &Camera) -> Self {
+    /// A camera, by that of its cells, that saw some nearest surfaces or nothing; how far its lines of sight are free is not found yet.
+    fn new(cells: &Camera, nearest: Option<&[u32]>) -> Self {
         let (width, height) = cells.intrinsics.size();
         let (across, down) = (width + 2 * BORDER, height + 2 * BORDER);
         let corners = (across - 1) * (down - 1);
-        let free = FreeDepths { across: across - 1, down: down - 1, farthest: vec![UNSEEN; corners] };
-        Self { across, nearest: vec![0; across * down], free }
+        let free = FreeDepths { across: across - 1, down: down - 1, farthest: vec![0.0; corners] };
+        Self { across, nearest: nearest.map_or_else(|| vec![0; across * down], <[u32]>::to_vec), free }
     }
 
     /// Adds the samples of a tile; `size` is that of the picture in cells.
