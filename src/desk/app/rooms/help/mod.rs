@@ -96,7 +96,7 @@ const SYNONYMS: &[(&str, &[&str])] = &[
     ("size", &["interface", "size"]),
     ("snapshot", &["share: pictures", "copy picture"]),
     ("solo", &["solo", "show camera"]),
-    ("speed", &["frame times", "open view: view", "renderer", "coarse pictures"]),
+    ("speed", &["open view: view", "renderer", "coarse pictures"]),
     ("spz", &["share: splats"]),
     ("svg", &["share: figure", "save the"]),
     ("theme", &["theme"]),

@@ -160,7 +160,7 @@ mod tests {
             ("blender", "Share: Splats"),
             ("dpi", "Share: Figure"),
             ("image", "Share: Pictures"),
-            ("speed", "Frame times: write to the log and reset"),
+            ("speed", "Open view: View"),
             ("redundant", "Open view: Report"),
             ("why", "Open view: Report"),
             ("colormap", "Open view: Color"),
