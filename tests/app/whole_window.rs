@@ -107,25 +107,6 @@ fn holes_are_filled_and_the_key_the_toolbar_and_the_palette_hatch_them() {
 }
 
 #[test]
-fn holes_are_dimmed_far_from_samples_and_nothing_else_changes() {
-    let mut window = open(small_demo(), SIZE);
-    settle(&mut window);
-    let (filled, coverage) = (live_picture(&mut window), window.state().observed().live_coverage);
-    show_holes(&mut window, "Dim");
-    settle(&mut window);
-    assert!(shows(&window, "dimmed far from samples"));
-    let holes = 1.0 - coverage.unwrap().1;
-    let dimmed = changed(&live_picture(&mut window), &filled);
-    // The sky and what is beside samples stay as they are.
-    assert!(dimmed <= holes, "{dimmed} of {holes}");
-    assert!(told_percent(&window, FILLED) < 1.0 || dimmed > 0.0, "{dimmed} of {holes}");
-    assert_eq!(window.state().observed().live_coverage, coverage);
-    show_holes(&mut window, "Fill");
-    settle(&mut window);
-    assert_eq!(changed(&live_picture(&mut window), &filled), 0.0);
-}
-
-#[test]
 fn holes_that_the_settings_leave_are_hatched_and_the_toolbar_fills_them_again() {
     // Tall enough for the last of the settings.
     let mut window = open(small_demo(), [SIZE[0], 2100.0]);

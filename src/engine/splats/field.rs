@@ -9,7 +9,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::backs::{back, blocks};
-use super::gaussian::{Gaussian, Look};
+use super::gaussian::{Gaussian, Look, WIDER_ALONE};
 use super::normals::normals;
 use super::options::{SplatAmount, SplatSky};
 use super::space::{FARTHEST, Space, is_near};
@@ -188,7 +188,9 @@ impl<'a> Field<'a> {
                 color: samples.color[sample.index].map(f16::to_f32),
                 is_doubtful: samples.is_doubtful(sample.x, sample.y),
             };
-            Gaussian::of_sample(&placed, camera, &look, &self.space)
+            let mut splat = Gaussian::of_sample(&placed, camera, &look, &self.space);
+            splat.radii *= if self.has_backs { 1.0 } else { WIDER_ALONE };
+            splat
         };
         placed(samples, camera).map(splat).collect()
     }

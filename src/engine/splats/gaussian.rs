@@ -15,6 +15,10 @@ use crate::samples::PlacedSample;
 /// the published formula with and without its anti-aliasing factor: 0.32 gives 29.7 and 31.7 dB, 0.4 30.5 and 31.2, 0.45 30.2 and 30.5.
 const SIGMA_SHARE: f64 = 0.4;
 
+/// Without backs they are wider by this factor: half of a pixel. Measured so at three true pictures of a ray traced scene, drawn by the
+/// published formula four times as fine and averaged: 0.4 gives 25.2 dB, 0.5 25.8 and 0.6 25.0, where our surfels give 25.9.
+pub(super) const WIDER_ALONE: f32 = 1.25;
+
 /// Thickness of a Gaussian, as a share of its smaller radius.
 const FLATNESS: f64 = 0.01;
 
