@@ -183,7 +183,9 @@ mod tests {
         assert!(is_inside(&plane, 1e-3));
         let but = |lines: &[usize], depth: f32| {
             let mut around = plane;
-            lines.iter().for_each(|at| around[*at] = depth);
+            for at in lines {
+                around[*at] = depth;
+            }
             is_inside(&around, 1e-3)
         };
         assert!(!but(&[3, 7, 11, 15], 0.5) && !but(&[0], 0.5), "it ends there");

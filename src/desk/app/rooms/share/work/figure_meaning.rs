@@ -118,7 +118,7 @@ pub(crate) fn of_live(key: &LiveKey, rendered: &Picture, background: u64) -> Mea
         let tokens = Tokens::of(key.dark);
         let (name, color) = match key.holes {
             HoleDisplay::Hatched => ("no sample", tokens.hole_stripe),
-            _ => ("filled (invented)", Color32::GRAY),
+            HoleDisplay::Filled => ("filled (invented)", Color32::GRAY),
         };
         for (name, pixels) in [(name, unseen), ("background", background)] {
             if pixels > 0 {
