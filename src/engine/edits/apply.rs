@@ -168,32 +168,18 @@ impl CameraEdits<'_> {
                         *stays = edit.action.leaves(*stays, *inside);
                     }
                 }
-                let left = stays.chunk_by(|one, next| one == next).filter(|run| run[0]).count() as i64;
+                let left = spans_of(&segments, &stays).count() as i64;
                 taken[edit.nth] += parts - left;
                 parts = left;
             }
-            let mut open: Option<Range<usize>> = None;
-            let mut close = |run: Option<Range<usize>>| {
-                let Some(run) = run else { return };
-                let span = Span { start: run.start as u32, end: run.end as u32 };
-                is_changed |= span != image.span;
+            is_changed |= stays.contains(&false);
+            for span in spans_of(&segments, &stays) {
                 let at = runs.iter().position(|(known, _)| *known == span).unwrap_or_else(|| {
                     runs.push((span, vec![false; image.len()]));
                     runs.len() - 1
                 });
                 runs[at].1[sample.index] = true;
-            };
-            let mut is_whole = true;
-            for (segment, stays) in segments.iter().zip(&stays) {
-                if *stays {
-                    open = Some(open.map_or(segment.start, |run| run.start)..segment.end);
-                } else {
-                    is_whole = false;
-                    close(open.take());
-                }
             }
-            close(open);
-            is_changed |= !is_whole;
         };
         for tile in Tile::all(image, self.camera) {
             let known: Vec<Option<bool>> =
@@ -222,6 +208,17 @@ fn segments_of(span: Span, acting: &[(&SampleEdit, Range<usize>)]) -> Vec<Range<
     bounds.sort_unstable();
     bounds.dedup();
     bounds.windows(2).map(|pair| pair[0]..pair[1]).collect()
+}
+
+/// The spans of the runs of segments that a sample stays in.
+fn spans_of(segments: &[Range<usize>], stays: &[bool]) -> impl Iterator<Item = Span> {
+    let runs = stays.chunk_by(|one, next| one == next).scan(segments, |rest, run| {
+        let (of_run, later) = rest.split_at(run.len());
+        *rest = later;
+        Some((of_run, run[0]))
+    });
+    runs.filter(|(_, stays)| *stays)
+        .map(|(of_run, _)| Span { start: of_run[0].start as u32, end: of_run[of_run.len() - 1].end as u32 })
 }
 
 /// Images that are edited at a time: enough for every thread, few enough to be held in memory.

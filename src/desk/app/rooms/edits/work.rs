@@ -88,8 +88,8 @@ impl SampleEditor {
                 edited.shown = Arc::new(edit_tinted(&tinted, &base, &list, votes, place, job)?);
                 let mut without = list;
                 without.edits.push(Edit::new("", Action::Delete, region.clone()));
-                let (_, taken) = edit_samples(&base, &without, votes, place, job)?;
-                edited.selected = taken.last().map_or(0, |taken| taken.unsigned_abs());
+                let (rest, _) = edit_samples(&base, &without, votes, place, job)?;
+                edited.selected = edited.samples.sample_count().saturating_sub(rest.sample_count());
             }
             job.check()?;
             edited.place = place_of_selection(&edited.shown, &edited.samples);
