@@ -8,7 +8,7 @@
 //! three-dimensional.
 
 use std::ops::Range;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
 use glam::Vec3;
 use half::f16;
@@ -241,41 +241,10 @@ fn cell_of(direction: Vec3) -> usize {
     (index(direction.z) * FINEST + index(direction.y)) * FINEST + index(direction.x)
 }
 
-/// The cells near the unit sphere, of grids with 1, 2, 4 … [`FINEST`] cells along each side: a seventh of the finest. No others hold samples,
-/// with more than rounding to spare.
-static NEAR_SPHERE: LazyLock<Vec<Vec<u32>>> = LazyLock::new(|| {
-    let is_near = |side: usize, cell: usize| {
-        let (center, half_width) = place_of(cell, side);
-        touches_sphere(center, 1.001 * half_width)
-    };
-    let grid = |level: u32| {
-        let side = 1_usize << level;
-        (0..side * side * side).filter(|cell| is_near(side, *cell)).map(|cell| cell as u32).collect()
-    };
-    (0..=FINEST.ilog2()).map(grid).collect()
-});
-
-/// A grid of `side` cells along each side with what is found for each cell near the sphere, and zeros elsewhere.
-fn near_sphere(side: usize, of_cell: impl Fn(usize) -> [f32; 4] + Sync) -> Vec<[f32; 4]> {
-    let cells = &NEAR_SPHERE[side.ilog2() as usize];
-    let found: Vec<[f32; 4]> =
-        cells.par_iter().with_min_len(512).map(|cell| of_cell(*cell as usize)).collect();
-    let mut grid = vec![[0.0; 4]; side * side * side];
-    cells.iter().zip(found).for_each(|(cell, found)| grid[*cell as usize] = found);
-    grid
-}
-
-/// The center of a cell, and half of its width.
-fn place_of(cell: usize, side: usize) -> (Vec3, f32) {
-    let half_width = 1.0 / side as f32;
-    let index = [cell % side, cell / side % side, cell / side / side];
-    (Vec3::from(index.map(|index| (2 * index + 1) as f32 * half_width - 1.0)), half_width)
-}
-
 /// The next coarser grid of one with `side` cells along each side.
 fn halved(finer: &[CellSum], side: usize) -> Vec<CellSum> {
     let half = side / 2;
-    near_sphere(half, |cell| {
+    let sum_of = |cell: usize| {
         let (x, y, z) = (cell % half, cell / half % half, cell / half / half);
         let mut sum = [0.0; 4];
         for corner in 0..8 {
@@ -284,15 +253,18 @@ fn halved(finer: &[CellSum], side: usize) -> Vec<CellSum> {
             (0..4).for_each(|channel| sum[channel] += part[channel]);
         }
         sum
-    })
+    };
+    (0..half * half * half).into_par_iter().with_min_len(512).map(sum_of).collect()
 }
 
 /// The colors of a grid with `side` cells along each side: those of its samples where it has enough, else filled from the coarser grid.
 fn filled(sums: &[CellSum], side: usize) -> Vec<CellColor> {
     let coarser = if side > 1 { filled(&halved(sums, side), side / 2) } else { Vec::new() };
-    near_sphere(side, |cell| {
+    let color_of = |cell: usize| {
         let [red, green, blue, count] = sums[cell];
-        let (center, half_width) = place_of(cell, side);
+        let index = [cell % side, cell / side % side, cell / side / side];
+        let half_width = 1.0 / side as f32;
+        let center = Vec3::from(index.map(|index| (2 * index + 1) as f32 * half_width - 1.0));
         if count == 0.0 && !touches_sphere(center, half_width) {
             return [0.0; 4];
         }
@@ -303,7 +275,8 @@ fn filled(sums: &[CellSum], side: usize) -> Vec<CellColor> {
         let [red, green, blue] =
             [0, 1, 2].map(|channel| full * own[channel] + (1.0 - full) * around[channel]);
         [red, green, blue, 1.0]
-    })
+    };
+    (0..sums.len()).into_par_iter().with_min_len(512).map(color_of).collect()
 }
 
 /// Whether the unit sphere goes through a cell.
