@@ -1,7 +1,7 @@
 //! Words that the window once had for what everybody in the field calls otherwise. Each has a usual name now.
 
 /// Phrases that no text for people holds.
-const PHRASES: [&str; 58] = [
+const PHRASES: [&str; 59] = [
     "Who won",
     "who won",
     "stands for",
@@ -35,6 +35,7 @@ const PHRASES: [&str; 58] = [
     "on now",
     "put it on",
     "lossless by both axes",
+    "frame times anew",
     "of 100 within",
     "Time passed",
     "Processor",

@@ -159,13 +159,13 @@ fn with_refusals(
 /// Whether pictures ask for nothing but other lenses, all of which two sensors of one device may have beside those claimed.
 fn is_of_color_lens(other: &Alternative, finding: &Finding, capture: &Capture) -> bool {
     let Reading { lens, .. } = other.reading;
-    let is_of_one_device = |camera: &Camera| {
+    let may_be_of_color = |camera: &Camera| {
         let claimed = camera.intrinsics;
         is_of_one_device(&ColorLens::of_depth(lens.of(&claimed)).unknowns(&claimed, 1.0))
     };
     matches!(other.evidence, Evidence::Pictures { .. })
         && other.reading == Reading { lens, ..finding.claimed }
-        && capture.cameras.iter().all(is_of_one_device)
+        && capture.cameras.iter().all(may_be_of_color)
 }
 
 /// How many cameras of a capture are aligned together at most; `None` where all are.
