@@ -39,6 +39,9 @@ pub struct CpuRenderer {
     finished: Vec<Arc<Picture>>,
 }
 
+/// Bands of rows that are painted by each thread, so that none waits long for the last.
+const BANDS_A_THREAD: usize = 2;
+
 /// What is kept from one frame to the next while the vantage is still.
 #[derive(Debug)]
 struct VantageCache {
@@ -106,7 +109,8 @@ impl PictureInput<'_> {
     fn paint(&self, first_tile: usize, bounds: &[TileBounds], layer: &mut PaintedLayer) -> Result<()> {
         let threads = rayon::current_num_threads();
         let (_, height) = self.target.intrinsics.size();
-        let bands = bands(bounds, first_tile, height, if threads == 1 { 1 } else { 2 * threads });
+        let bands =
+            bands(bounds, first_tile, height, if threads == 1 { 1 } else { BANDS_A_THREAD * threads });
         self.end(Stage::Select);
         surface(&self.stage, &bands, &mut layer.keys)?;
         if self.stage.blends() {
@@ -138,6 +142,7 @@ impl PictureInput<'_> {
             stage: &self.stage,
             background: &cache.background,
             foreground,
+            touched: &cache.touched,
             background_picture,
             views: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
             scratches: self.scratches,
@@ -173,6 +178,18 @@ impl CpuRenderer {
             let (picture, stats) = self.render(&view.samples, &view.vantage, settings, job)?;
             return Ok((Arc::new(view.finish(&picture)), stats));
         }
+        // A stage that begins on a thread of the pool need not wake another one first, nor wait for it to fall asleep.
+        rayon::scope(|_| self.render_in_pool(samples, vantage, settings, job))
+    }
+
+    /// [`CpuRenderer::render`] in perspective, on a thread of the pool.
+    fn render_in_pool(
+        &mut self,
+        samples: &Arc<SampleSet>,
+        vantage: &Vantage,
+        settings: &RenderSettings,
+        job: &Job,
+    ) -> Result<(Arc<Picture>, RenderStats)> {
         let (started, clock) = (Instant::now(), RefCell::new(StageClock::start()));
         vantage.check(samples)?;
         let images = FrameImages::at(samples, vantage.frame);
@@ -343,16 +360,16 @@ fn paint_foreground(input: &PictureInput<'_>, mut cache: VantageCache) -> Result
     input.paint(input.stage.frame.background_tile_count, &bounds, &mut cache.foreground)?;
     let mut painted = cache.free_picture(&background_picture);
     painted.touched.join(&touched);
+    cache.touched = touched;
     let picture = Arc::make_mut(&mut painted.picture);
     input.resolve(&cache, Some(&cache.foreground), Some(&background_picture), &painted.touched, picture)?;
     let (columns, _) = input.picture_size();
     let is_hole = |image: &u32| *image == NO_IMAGE;
     let holes_in =
-        |picture: &Picture| touched.count(picture.image.as_slice(), columns, input.subpixels, is_hole);
+        |picture: &Picture| cache.touched.count(picture.image.as_slice(), columns, input.subpixels, is_hole);
     painted.holes = background_holes - holes_in(&background_picture) + holes_in(picture);
-    painted.touched = touched.clone();
+    painted.touched = cache.touched.clone();
     cache.pictures.insert(0, painted);
-    cache.touched = touched;
     cache.background_picture = Some((background_picture, background_holes));
     Ok(cache)
 }

@@ -2,13 +2,14 @@
 //!
 //! What is at infinity depends on direction alone. Its colors are summed up in the cells of grids over the cube around the unit
 //! sphere, each grid half as fine as the one before. Where a grid knows little, its cells are filled from the coarser one, so that a
-//! direction is looked up in the finest grid alone. Grids in space have no seams, unlike the faces of a cube or the poles of a map.
+//! direction is looked up in the finest grid alone. Grids in space have no seams, unlike the faces of a cube or the poles of a map. Only
+//! cells that the sphere goes through are kept.
 //!
 //! Source: pull and push with weights that saturate, Gortler et al., *The Lumigraph*, SIGGRAPH 1996, §3.4. What differs: the grids are
 //! three-dimensional.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use glam::Vec3;
 use half::f16;
@@ -21,8 +22,27 @@ use crate::capture::Camera;
 use crate::error::Result;
 use crate::samples::{SampleSet, TILE};
 
-/// Cells along each side of the finest grid: some two degrees each.
-const FINEST: usize = 64;
+/// Grids, from the coarsest, of one cell, to the finest, whose cells are some two degrees wide each.
+const LEVELS: usize = 7;
+
+/// The level of the finest grid.
+const FINEST: usize = LEVELS - 1;
+
+/// Cells count as touched by the sphere within this distance of it: directions are rounded.
+const ROUNDING: f32 = 1e-5;
+
+/// The grids, coarsest first.
+static GRIDS: LazyLock<[SphereGrid; LEVELS]> = LazyLock::new(|| std::array::from_fn(SphereGrid::new));
+
+/// A grid over the cube around the unit sphere: which of its cells the sphere touches.
+struct SphereGrid {
+    /// Cells along each side.
+    side: usize,
+    /// The number of each cell that is touched, by z, y and x; their count for all others.
+    numbers: Vec<u32>,
+    /// The touched cells, by number: column, row and layer.
+    cells: Vec<[usize; 3]>,
+}
 
 /// A cell with fewer samples than this takes the missing share from the coarser grid: a few samples at the rim of what was seen may be
 /// blended with a surface.
@@ -44,17 +64,17 @@ type CellSum = [f32; 4];
 /// The colors of samples at infinity, by direction.
 #[derive(Clone, Debug)]
 pub(crate) struct SkySums {
-    /// The finest grid, by z, y and x; empty if no sample counts.
+    /// The touched cells of the finest grid; empty if no sample counts.
     cells: Vec<CellSum>,
 }
 
-/// Red, green, blue and 1; zeros in cells that do not touch the sphere.
+/// Red, green, blue and 1; zeros in cells that only rounding lets the sphere touch.
 type CellColor = [f32; 4];
 
 /// The color at infinity in every direction.
 #[derive(Clone, Debug)]
 pub(crate) struct Environment {
-    /// The finest grid, by z, y and x.
+    /// The touched cells of the finest grid, and zeros for all others.
     cells: Vec<CellColor>,
 }
 
@@ -79,12 +99,13 @@ impl SkySums {
                     }
                     let cells = sums.get_or_insert_with(|| {
                         let mut cells = before.map(|before| before.cells.clone()).unwrap_or_default();
-                        cells.resize(FINEST * FINEST * FINEST, [0.0; 4]);
+                        cells.resize(GRIDS[FINEST].cells.len(), [0.0; 4]);
                         cells
                     });
                     let [first, across, down] = rays[tile.camera as usize];
                     let (x, y) = (tile.origin.0 as f32 + column as f32, tile.origin.1 as f32 + row as f32);
-                    let cell = &mut cells[cell_of((first + across * x + down * y).normalize_or_zero())];
+                    let direction = (first + across * x + down * y).normalize_or_zero();
+                    let Some(cell) = cell_of(direction).map(|cell| &mut cells[cell]) else { continue };
                     let [red, green, blue] = tile.color(tile.rank(column, row));
                     for (sum, part) in cell.iter_mut().zip([red, green, blue, 1.0]) {
                         *sum += weight * part;
@@ -150,10 +171,10 @@ pub(crate) fn surroundings(
         set.images_at(frame).filter(|image| !image.is_empty()).flat_map(|image| {
             let camera = &set.cameras[image.camera as usize];
             let near = image.placed(camera).filter(|placed| placed.depth < farthest);
-            near.map(move |placed| {
+            near.filter_map(move |placed| {
                 let sight = placed.point_in_world - camera.position_in_world();
-                let cell = cell_of(sight.as_vec3().normalize_or_zero());
-                (cell, sight.length(), image.color[placed.sample.index])
+                let cell = cell_of(sight.as_vec3().normalize_or_zero())?;
+                Some((cell, sight.length(), image.color[placed.sample.index]))
             })
         })
     };
@@ -194,7 +215,11 @@ pub fn background_holes(picture: &Picture, set: &SampleSet, vantage: &Vantage) -
         return Ok(0);
     }
     let (directions, width) = (PixelDirections::new(&vantage.camera), picture.image.width().max(1));
-    let seen = shown.filter(|(at, _)| sums.cells[cell_of(directions.at((at % width, at / width)))][3] > 0.0);
+    let is_seen = |at: usize| {
+        let cell = cell_of(directions.at((at % width, at / width)));
+        cell.is_some_and(|cell| sums.cells[cell][3] > 0.0)
+    };
+    let seen = shown.filter(|(at, _)| is_seen(*at));
     Ok(seen.count() as u64)
 }
 
@@ -235,64 +260,100 @@ fn weight_of_sky(rows: &[[f32; TILE]], column: usize, row: usize) -> f32 {
     }
 }
 
-/// The cell of the finest grid that a direction of length 1 is in.
-fn cell_of(direction: Vec3) -> usize {
-    let index = |part: f32| (((part + 1.0) * (0.5 * FINEST as f32)) as usize).min(FINEST - 1);
-    (index(direction.z) * FINEST + index(direction.y)) * FINEST + index(direction.x)
+/// The number of the cell of the finest grid that a direction of length 1 is in; `None` for what has another length.
+fn cell_of(direction: Vec3) -> Option<usize> {
+    let grid = &GRIDS[FINEST];
+    let index = |part: f32| (((part + 1.0) * (0.5 * grid.side as f32)) as usize).min(grid.side - 1);
+    let number = grid.number([index(direction.x), index(direction.y), index(direction.z)]);
+    (number < grid.cells.len()).then_some(number)
 }
 
-/// The next coarser grid of one with `side` cells along each side.
-fn halved(finer: &[CellSum], side: usize) -> Vec<CellSum> {
-    let half = side / 2;
-    let sum_of = |cell: usize| {
-        let (x, y, z) = (cell % half, cell / half % half, cell / half / half);
+impl SphereGrid {
+    /// The grid of a level.
+    fn new(level: usize) -> Self {
+        let side = 1 << level;
+        let index_of = |cell: usize| [cell % side, cell / side % side, cell / side / side];
+        let is_touched = |cell: &usize| touches_sphere(index_of(*cell), side, ROUNDING);
+        let touched: Vec<usize> = (0..side * side * side).filter(is_touched).collect();
+        let mut numbers = vec![touched.len() as u32; side * side * side];
+        for (number, cell) in touched.iter().enumerate() {
+            numbers[*cell] = number as u32;
+        }
+        Self { side, numbers, cells: touched.into_iter().map(index_of).collect() }
+    }
+
+    /// The number of the cell in a column, row and layer; the count of touched cells if it is none of them.
+    #[inline(always)]
+    fn number(&self, [x, y, z]: [usize; 3]) -> usize {
+        self.numbers[(z * self.side + y) * self.side + x] as usize
+    }
+}
+
+/// The sums of the grid of a level, from those of the next finer one.
+fn halved(finer: &[CellSum], level: usize) -> Vec<CellSum> {
+    let below = &GRIDS[level + 1];
+    let sum_of = |[x, y, z]: &[usize; 3]| {
         let mut sum = [0.0; 4];
         for corner in 0..8 {
-            let (x, y, z) = (2 * x + (corner & 1), 2 * y + (corner >> 1 & 1), 2 * z + (corner >> 2));
-            let part = finer[(z * side + y) * side + x];
-            (0..4).for_each(|channel| sum[channel] += part[channel]);
+            let part = below.number([2 * x + (corner & 1), 2 * y + (corner >> 1 & 1), 2 * z + (corner >> 2)]);
+            if let Some(part) = finer.get(part) {
+                (0..4).for_each(|channel| sum[channel] += part[channel]);
+            }
         }
         sum
     };
-    (0..half * half * half).into_par_iter().with_min_len(512).map(sum_of).collect()
+    GRIDS[level].cells.par_iter().with_min_len(512).map(sum_of).collect()
 }
 
-/// The colors of a grid with `side` cells along each side: those of its samples where it has enough, else filled from the coarser grid.
-fn filled(sums: &[CellSum], side: usize) -> Vec<CellColor> {
-    let coarser = if side > 1 { filled(&halved(sums, side), side / 2) } else { Vec::new() };
-    let color_of = |cell: usize| {
-        let [red, green, blue, count] = sums[cell];
-        let index = [cell % side, cell / side % side, cell / side / side];
-        let half_width = 1.0 / side as f32;
-        let center = Vec3::from(index.map(|index| (2 * index + 1) as f32 * half_width - 1.0));
-        if count == 0.0 && !touches_sphere(center, half_width) {
+/// The colors of the grid of a level, and zeros at the end: those of its samples where it has enough, else filled from the coarser grid.
+fn filled(sums: &[CellSum], level: usize) -> Vec<CellColor> {
+    let coarser = level.checked_sub(1).map(|coarser| (filled(&halved(sums, coarser), coarser), coarser));
+    let side = GRIDS[level].side;
+    let color_of = |(index, sum): (&[usize; 3], &CellSum)| {
+        let [red, green, blue, count] = *sum;
+        if count == 0.0 && !touches_sphere(*index, side, 0.0) {
             return [0.0; 4];
         }
-        let full = if coarser.is_empty() { 1.0 } else { (count / FULL_COUNT).min(1.0) };
+        let full = if coarser.is_none() { 1.0 } else { (count / FULL_COUNT).min(1.0) };
         let own = if count > 0.0 { [red, green, blue].map(|sum| sum / count) } else { [0.0; 3] };
-        let around =
-            if full < 1.0 { interpolated(&coarser, side / 2, center.normalize_or_zero()) } else { [0.0; 3] };
+        let around = match &coarser {
+            Some((cells, level)) if full < 1.0 => {
+                interpolated(cells, *level, center_of(*index, side).normalize_or_zero())
+            }
+            _ => [0.0; 3],
+        };
         let [red, green, blue] =
             [0, 1, 2].map(|channel| full * own[channel] + (1.0 - full) * around[channel]);
         [red, green, blue, 1.0]
     };
-    (0..sums.len()).into_par_iter().with_min_len(512).map(color_of).collect()
+    let mut colors = Vec::with_capacity(sums.len() + 1);
+    GRIDS[level].cells.par_iter().zip(sums).with_min_len(512).map(color_of).collect_into_vec(&mut colors);
+    colors.push([0.0; 4]);
+    colors
 }
 
-/// Whether the unit sphere goes through a cell.
-fn touches_sphere(center: Vec3, half_width: f32) -> bool {
+/// The center of a cell of a grid with `side` cells along each side.
+fn center_of(index: [usize; 3], side: usize) -> Vec3 {
+    let half_width = 1.0 / side as f32;
+    Vec3::from(index.map(|index| (2 * index + 1) as f32 * half_width - 1.0))
+}
+
+/// Whether the unit sphere goes through a cell of such a grid, or passes it within `distance`.
+fn touches_sphere(index: [usize; 3], side: usize, distance: f32) -> bool {
+    let (center, half_width) = (center_of(index, side), 1.0 / side as f32);
     let nearest = (center.abs() - half_width).max(Vec3::ZERO).length();
     let farthest = (center.abs() + half_width).length();
-    nearest <= 1.0 && 1.0 <= farthest
+    nearest <= 1.0 + distance && 1.0 - distance <= farthest
 }
 
-/// The color in a direction of length 1, in a grid of `side` cells along each side: trilinear, among the cells that touch the sphere.
+/// The color in a direction of length 1, in the grid of a level: trilinear, among the cells that touch the sphere.
 #[inline]
-fn interpolated(cells: &[CellColor], side: usize, direction: Vec3) -> [f32; 3] {
-    let at = (direction + Vec3::ONE) * (0.5 * side as f32) - Vec3::splat(0.5);
+fn interpolated(cells: &[CellColor], level: usize, direction: Vec3) -> [f32; 3] {
+    let grid = &GRIDS[level];
+    let at = (direction + Vec3::ONE) * (0.5 * grid.side as f32) - Vec3::splat(0.5);
     let first = at.floor();
     let share = at - first;
-    let last = side as i32 - 1;
+    let last = grid.side as i32 - 1;
     let ends = |axis: usize| {
         let index = first[axis] as i32;
         let at = [index, index + 1].map(|index| index.clamp(0, last) as usize);
@@ -302,7 +363,7 @@ fn interpolated(cells: &[CellColor], side: usize, direction: Vec3) -> [f32; 3] {
     let mut sum = [0.0; 4];
     for corner in 0..8 {
         let (right, below, behind) = (corner & 1, corner >> 1 & 1, corner >> 2);
-        let cell = &cells[(z[behind] * side + y[below]) * side + x[right]];
+        let cell = &cells[grid.number([x[right], y[below], z[behind]])];
         let weight = a[right] * b[below] * c[behind];
         for channel in 0..4 {
             sum[channel] += weight * cell[channel];
@@ -317,9 +378,9 @@ mod tests {
 
     /// The environment of samples with these directions and colors, and the number of each.
     fn environment_of(samples: impl Iterator<Item = (Vec3, [f32; 3], f32)>) -> Environment {
-        let mut cells = vec![[0.0; 4]; FINEST * FINEST * FINEST];
+        let mut cells = vec![[0.0; 4]; GRIDS[FINEST].cells.len()];
         for (direction, [red, green, blue], count) in samples {
-            let cell = &mut cells[cell_of(direction)];
+            let cell = &mut cells[cell_of(direction).unwrap()];
             for (sum, part) in cell.iter_mut().zip([red, green, blue, 1.0]) {
                 *sum += count * part;
             }

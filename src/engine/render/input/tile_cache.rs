@@ -45,6 +45,8 @@ struct TileCache {
     cells: [u32; TILES * TILES],
     /// The same for tiles whose colors are unpacked too.
     colored: [u32; TILES * TILES],
+    /// Which slots hold no sample: many cameras kept none where others see better.
+    vacant: [bool; TILES * TILES],
 }
 
 /// A cache for each camera that was read.
@@ -193,6 +195,7 @@ impl TileCache {
             color: [[0.0; 4]; AREA],
             cells: [NO_CELL; TILES * TILES],
             colored: [NO_CELL; TILES * TILES],
+            vacant: [true; TILES * TILES],
         })
     }
 
@@ -214,9 +217,10 @@ impl TileCache {
             (self.cells[slot], is_new) = (cell, true);
             at = lookup.first_at(camera, column, row);
             let first = at.filter(|number| lookup.tile(*number, &mut None).color.len() == TILE_SAMPLES);
-            if first.is_none() {
+            if first.is_none() && !self.vacant[slot] {
                 self.empty(corner);
             }
+            self.vacant[slot] = at.is_none();
         }
         if COLORS && self.colored[slot] != cell {
             self.colored[slot] = cell;
