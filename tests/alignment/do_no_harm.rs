@@ -15,9 +15,8 @@ fn aligned(capture: &Capture) -> Aligned {
 }
 
 /// The corrections that are made of exact scenes, and the units and lenses that pictures would have otherwise.
-fn harm(seeds: std::ops::Range<u64>) -> Vec<String> {
-    let of_seed = |seed: u64| {
-        let scene = ExactScene::random(seed, seed % 2 == 1);
+fn harm(scenes: impl Iterator<Item = (u64, ExactScene)>) -> Vec<String> {
+    let of_scene = |(seed, scene): (u64, ExactScene)| {
         let capture = scene.record(scene.cameras.clone());
         let found = aligned(&capture);
         if found.alignment.is_none() {
@@ -30,19 +29,30 @@ fn harm(seeds: std::ops::Range<u64>) -> Vec<String> {
         let is_by_pictures = matches!(reading.alternative()?.evidence, Evidence::Pictures { .. });
         is_by_pictures.then(|| format!("scene {seed}: {}", reading.sentence()))
     };
-    seeds.filter_map(of_seed).collect()
+    scenes.filter_map(of_scene).collect()
+}
+
+fn random_scenes(seeds: std::ops::Range<u64>) -> impl Iterator<Item = (u64, ExactScene)> {
+    seeds.map(|seed| (seed, ExactScene::random(seed, seed % 2 == 1)))
 }
 
 #[test]
 fn exact_scenes_are_left_alone_whatever_they_show() {
-    let harm = harm(0..16);
+    let harm = harm(random_scenes(0..16));
+    assert!(harm.is_empty(), "{harm:#?}");
+}
+
+#[test]
+fn exact_scenes_under_a_light_that_moves_with_the_cameras_are_left_alone() {
+    let scenes = (0..24).map(|seed| (seed, ExactScene::random(seed, false).under_a_headlight()));
+    let harm = harm(scenes);
     assert!(harm.is_empty(), "{harm:#?}");
 }
 
 #[test]
 #[ignore = "takes a minute"]
 fn two_hundred_exact_scenes_are_left_alone() {
-    let harm = harm(0..200);
+    let harm = harm(random_scenes(0..200));
     assert!(harm.is_empty(), "{} of 200: {harm:#?}", harm.len());
 }
 
@@ -235,6 +245,13 @@ fn the_truth_of_planted_errors_lies_within_three_standard_errors_but_for_one_in_
     let wrong: Vec<&Stated> = all.iter().flatten().filter(|stated| !stated.holds()).collect();
     let count = all.iter().flatten().count();
     assert!(20 * wrong.len() <= count, "{} of {count}: {wrong:#?}", wrong.len());
+}
+
+#[test]
+fn exact_scenes_under_a_light_that_moves_with_the_cameras_are_left_alone() {
+    let scenes = (0..24).map(|seed| (seed, ExactScene::random(seed, false).under_a_headlight()));
+    let harm = harm(scenes);
+    assert!(harm.is_empty(), "{harm:#?}");
 }
 
 #[test]

@@ -66,6 +66,8 @@ pub(crate) struct ExactScene {
     look: Look,
     background: Background,
     lamp: DVec3,
+    /// Whether the lamp moves with the cameras instead.
+    has_headlight: bool,
     /// Color is averaged over so many rays a side of each pixel.
     color_rays: usize,
     /// Relative standard deviations.
@@ -126,6 +128,7 @@ impl ExactScene {
             look,
             background,
             lamp,
+            has_headlight: false,
             color_rays,
             noise,
             cameras,
@@ -133,6 +136,11 @@ impl ExactScene {
             stops,
             is_rendered,
         }
+    }
+
+    /// The scene without textures under a light that moves with the cameras, as visualization programs have it.
+    pub(crate) fn under_a_headlight(self) -> Self {
+        Self { look: Look::Shaded, has_headlight: true, ..self }
     }
 
     /// What is recorded of the scene, by cameras that claim to be `claimed`.
@@ -160,7 +168,7 @@ impl ExactScene {
             let t = (-b - discriminant.max(0.0).sqrt()) / a;
             if discriminant > 0.0 && t > 0.0 && nearest.is_none_or(|(nearest, _)| t < nearest) {
                 let point = eye + ray * t;
-                nearest = Some((t, self.color(point, (point - ball.center) / ball.radius, ball.albedo)));
+                nearest = Some((t, self.color(eye, point, (point - ball.center) / ball.radius, ball.albedo)));
             }
         }
         let t = -eye.z / ray.z;
@@ -168,14 +176,15 @@ impl ExactScene {
         {
             let point = eye + ray * t;
             if point.length() < 4.0 {
-                nearest = Some((t, self.color(point, DVec3::Z, DVec3::splat(0.6))));
+                nearest = Some((t, self.color(eye, point, DVec3::Z, DVec3::splat(0.6))));
             }
         }
         nearest
     }
 
-    fn color(&self, point: DVec3, normal: DVec3, albedo: DVec3) -> DVec3 {
-        let shade = 0.15 + 0.85 * normal.dot(self.lamp).max(0.0);
+    fn color(&self, eye: DVec3, point: DVec3, normal: DVec3, albedo: DVec3) -> DVec3 {
+        let toward_light = if self.has_headlight { (eye - point).normalize_or_zero() } else { self.lamp };
+        let shade = 0.15 + 0.85 * normal.dot(toward_light).max(0.0);
         let wave = |nth: usize| (self.waves[nth].way.dot(point) + self.waves[nth].phase).sin();
         let texture = DVec3::new(wave(0) + wave(3), wave(1) + wave(3), wave(2) + wave(3)) * 0.2 + 0.55;
         match self.look {

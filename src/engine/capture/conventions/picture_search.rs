@@ -18,11 +18,11 @@ use rayon::prelude::*;
 use super::agreement::Comparison;
 use super::pictures::{shrunk, small};
 use super::reading::{LensReading, PixelRay, Reading};
-use super::search::{UNITS, three_digits};
+use super::search::{NARROW, UNITS, three_digits};
 use super::verdict::{
     Alternative, ConventionVerdict, Evidence, Finding, ReadingPart, Undecided, keys, number,
 };
-use super::views::SourcePoint;
+use super::views::{POINTS, SourcePoint};
 use crate::capture::camera::Intrinsics;
 use crate::capture::frame::Frame;
 use crate::color::brightness;
@@ -39,6 +39,11 @@ const NOT_CHANCE: f64 = 0.15;
 /// chance. Among 200 exact scenes, four have a lens that fits 1.4 to 1.6 times as well.
 const UNIT_DECIDES: f64 = 1.4;
 const LENS_DECIDES: f64 = 1.8;
+/// Where the depth of this share of the points agrees under the claimed lens and of fewer under another one, pictures have to correlate this
+/// much to refute the claimed one: lights that move with the cameras make patches of smooth surfaces meet look-alikes. Exact scenes under
+/// such lights reach 0.29 under wrong lenses, and recordings agree in depth for at most a quarter of the points.
+const DEPTH_AGREES: f64 = 0.5;
+const REFUTES_DEPTH: f64 = 0.4;
 /// Both have to fit better by this much, and by this many standard errors of the pairs: some pairs see nothing in common.
 const LEAST_GAIN: f64 = 0.08;
 const STANDARD_ERRORS: f64 = 2.0;
@@ -63,16 +68,21 @@ pub(super) fn refined(finding: Finding, comparison: &Comparison, frames: &[Arc<F
     }
     let claimed = comparison.claimed;
     // Depth through a wrong lens may agree under poses and measures that mean nothing.
-    let by_depth = finding.alternative().map(|other| pictures.correlations(&other.reading, ALL));
+    let of_other = finding.alternative().map(|other| pictures.correlations(&other.reading, ALL));
     let as_read = pictures.correlations(&claimed, ALL);
-    let rivals: Vec<&Vec<f64>> = by_depth.iter().chain([&as_read]).collect();
+    let rivals: Vec<&Vec<f64>> = of_other.iter().chain([&as_read]).collect();
     if rivals.iter().any(|rival| mean(rival) * UNIT_DECIDES >= 1.0) {
         return finding;
     }
+    let by_depth = |reading: &Reading| comparison.score(reading, POINTS, NARROW);
     let is_believed = |reading: &Reading| {
         let found = pictures.correlations(reading, ALL);
-        let decides = if reading.lens == claimed.lens { UNIT_DECIDES } else { LENS_DECIDES };
-        differs(reading, &claimed) && rivals.iter().all(|rival| is_better(&found, rival, decides))
+        let is_lens = reading.lens != claimed.lens;
+        let decides = if is_lens { LENS_DECIDES } else { UNIT_DECIDES };
+        let refutes_depth = || mean(&found) >= REFUTES_DEPTH || by_depth(&claimed) < DEPTH_AGREES;
+        differs(reading, &claimed)
+            && rivals.iter().all(|rival| is_better(&found, rival, decides))
+            && (!is_lens || refutes_depth() || by_depth(reading) >= by_depth(&claimed))
     };
     let units = if unit_is_open && !claimed.measure.is_buffer() { other_units(&claimed) } else { Vec::new() };
     let believed = [other_lenses(&claimed), units].into_iter().filter_map(|readings| {
