@@ -50,7 +50,7 @@ impl DepthMeasure {
             Self::PlanarZ => "depth along the optical axis",
             Self::RayDistance => "distance along the ray from the camera",
             Self::RayDistanceFromNearClip => "distance along the ray from the near plane",
-            Self::InversePlanarZ => "the reciprocal of depth along the optical axis",
+            Self::InversePlanarZ => "disparity, the reciprocal of depth along the optical axis",
             Self::InverseRayDistance => "the reciprocal of distance along the ray",
             Self::WorldZ => "the z coordinate in world space",
             Self::ZBuffer => "a depth buffer, 0 at the near plane and 1 at the far plane",
