@@ -13,7 +13,7 @@ use super::color_bar::{BarLook, ColorBar};
 use super::svg::{
     Anchor, Chart, DARK_FAINT, DARK_INK, DARK_PAPER, FAINT, INK, ON_PLATE, PAPER, Print, Svg, hex,
 };
-use super::type_metrics::{lines, text_width};
+use super::type_metrics::{lines, missing_letter, text_width};
 use overlook_engine::error::{Error, Result};
 
 /// A typographic point, inches.
@@ -80,7 +80,7 @@ impl Figure {
     /// The figure, drawn.
     ///
     /// # Errors
-    /// `Invalid` where it has no picture, or is wider or larger than a PNG may be.
+    /// `Invalid` where it has no picture, is wider or larger than a PNG may be, or holds a letter that its typeface lacks.
     pub fn chart(&self) -> Result<Chart> {
         let (width, height) = self.picture.dimensions();
         let sizes = FIGURE_COLUMNS[0]..=FIGURE_COLUMNS[1];
@@ -90,6 +90,17 @@ impl Figure {
                 self.columns, FIGURE_COLUMNS[0], FIGURE_COLUMNS[1]
             );
             return Err(Error::invalid("figure", what));
+        }
+        let names = self.legend.iter().map(|entry| &entry.name);
+        let titles = self.color_bar.iter().map(|bar| &bar.title);
+        for text in names.chain(titles).chain([&self.caption]) {
+            if let Some(letter) = missing_letter(text) {
+                let what = format!(
+                    "the typeface of figures has no letter '{letter}' (U+{:04X}), which stands in '{text}'",
+                    u32::from(letter)
+                );
+                return Err(Error::invalid("figure", what));
+            }
         }
         let type_size = self.type_points * POINT * f64::from(self.dots_per_inch);
         let columns = f64::from(self.columns);
@@ -311,5 +322,13 @@ mod tests {
         assert!(round_below(f64::NAN).is_none() && round_below(0.0).is_none());
         assert!(Figure { columns: 10, ..figure() }.chart().is_err());
         assert!(Figure { picture: RgbaImage::new(0, 0), ..figure() }.chart().is_err());
+    }
+
+    #[test]
+    fn a_letter_that_the_typeface_lacks_is_refused_by_name_and_umlauts_are_not() {
+        let with = |caption: &str| Figure { caption: caption.to_owned(), ..figure() }.chart();
+        let said = with("seen from 日本").unwrap_err().to_string();
+        assert!(said.contains("no letter '日' (U+65E5)"), "{said}");
+        assert!(with("Größe:\n½ ± 0.2 µm — Żółw, Ωμέγα, Привет").is_ok());
     }
 }

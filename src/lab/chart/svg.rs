@@ -114,7 +114,7 @@ pub(super) enum Anchor {
 /// The beginning of a sheet that is filled with the color of its paper.
 fn opened(size: &str, [width, height]: [f64; 2], paper: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" {size} viewBox=\"0 0 {width} {height}\" font-family=\"{FAMILY}\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" {size} viewBox=\"0 0 {width} {height}\" font-family=\"{FAMILY}, sans-serif\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"{paper}\"/>\n"
     )
 }

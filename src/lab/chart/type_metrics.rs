@@ -20,6 +20,13 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().filter_map(advance).map(f64::from).sum::<f64>() * size
 }
 
+/// The first letter of a text that the typeface lacks.
+pub(super) fn missing_letter(text: &str) -> Option<char> {
+    let font = FontRef::new(FONT).ok()?;
+    let glyphs = font.charmap();
+    text.chars().find(|letter| !letter.is_whitespace() && glyphs.map(*letter).is_none())
+}
+
 /// A text as lines that are no wider than `width` where their words allow it. Line breaks of the text stay.
 pub(super) fn lines(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines = Vec::new();
