@@ -129,6 +129,13 @@ impl Mp4Film {
         if blocks > most {
             return Err(too_large());
         }
+        if [width, height] != size {
+            let [columns, rows] = size;
+            log::warn!(
+                "{}: the sides of an MP4 are even: {columns}×{rows} is written as {width}×{height}, its last pixels twice",
+                out.display()
+            );
+        }
         let mut config = EncoderConfig::new(width, height);
         config.level_idc = LEVELS.iter().find(fits).map_or(highest, |level| level.0);
         config.preset = Preset::Balanced;
