@@ -108,7 +108,7 @@ pub fn place(capture: &Capture, options: &PlaceOptions, settings: &Settings, job
     coverage.look_from(capture.cameras.iter().map(Camera::position_in_world).collect(), job)?;
     coverage.look_from(places, job)?;
     coverage.leave_out_places_too_near(own);
-    let may_stay = options.stand == Stand::Between;
+    let may_stay = !matches!(options.stand, Stand::Within(_));
     let candidates = coverage.point_everywhere(&capture.cameras, may_stay, middle);
     if candidates == 0 {
         let what = "has surfaces everywhere where cameras may stand; allow other places";

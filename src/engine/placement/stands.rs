@@ -18,7 +18,8 @@ pub enum Stand {
     /// Where the coarse cameras stand, and between them: on the sphere around what they look at, or in the space between cameras that
     /// look outward.
     Between,
-    /// Once around what the coarse cameras look at, as high as these are and as far from the middle.
+    /// Once around what the coarse cameras look at, as high as these are and as far from the middle, and in all places of
+    /// [`Stand::Between`].
     Ring,
     /// In a box: its lowest and its highest coordinates in the world.
     Within([DVec3; 2]),
@@ -28,7 +29,7 @@ pub enum Stand {
 pub(super) fn places(stand: &Stand, cameras: &[Camera], middle: DVec3, up: DVec3) -> Vec<DVec3> {
     match stand {
         Stand::Between => between(cameras, middle),
-        Stand::Ring => ring(cameras, middle, up),
+        Stand::Ring => [ring(cameras, middle, up), between(cameras, middle)].concat(),
         Stand::Within(corners) => within(*corners),
     }
 }

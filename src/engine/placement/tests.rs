@@ -162,6 +162,15 @@ fn a_placement_is_the_same_every_time_whatever_the_number_of_threads() {
 }
 
 #[test]
+fn cameras_that_may_stand_all_around_too_see_no_less() {
+    for capture in [boxed(), shaft()] {
+        let [between, around] =
+            [Stand::Between, Stand::Ring].map(|stand| placed(&capture, &asked(4, stand)).unseen);
+        assert!(around <= between + 0.01, "{around} unseen, {between} from between the cameras alone");
+    }
+}
+
+#[test]
 fn a_surface_counts_by_the_rate_that_is_asked_for() {
     let wall = Sheet { corner: DVec3::new(-9.0, 0.0, -9.0), sides: [DVec3::X * 18.0, DVec3::Z * 18.0] };
     let wall = capture(vec![wall], &[DVec3::new(0.0, -4.0, 0.0)], DVec3::ZERO);

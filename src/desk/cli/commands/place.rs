@@ -33,7 +33,7 @@ pub(crate) struct PlaceArgs {
     /// Pixels a unit that surfaces should be seen with [default: as finely as the finest picture of the capture].
     #[arg(long, value_name = "PIXELS")]
     rate: Option<f64>,
-    /// Cameras may stand anywhere around, as far and as high as those of the capture [default: between those].
+    /// Cameras may stand all around too, as far and as high as those of the capture [default: between those].
     #[arg(long, conflicts_with = "within")]
     ring: bool,
     /// Cameras may stand anywhere in this box, as in -2,-2,0,2,2,3.
