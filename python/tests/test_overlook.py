@@ -322,3 +322,22 @@ def test_a_value_that_there_is_not_is_named_in_one_line(folder, tmp_path):
     wrong.write_text(json.dumps(manifest))
     with pytest.raises(overlook.Error, match="no channel 'pressure'"):
         overlook.open(wrong)
+
+
+def test_pycinema_shows_the_colors_of_a_database_and_not_its_depth(folder, tmp_path):
+    # Installing it takes minutes, as it brings a toolkit for windows: it is tested where it is there.
+    filters = pytest.importorskip("pycinema.filters")
+    image = pytest.importorskip("PIL.Image")
+    run("preprocess", folder, "--out", tmp_path / "scene.ovl")
+    database = tmp_path / "scene.cdb"
+    run("export", "cinema", tmp_path / "scene.ovl", "--out", database, "--phi=-20,20,2", "--theta", "10,20,2", "--size", "80x60")
+    reader, pictures = filters.CinemaDatabaseReader(), filters.ImageReader()
+    reader.inputs.path.set(str(database))
+    pictures.inputs.table.set(reader.outputs.table)
+    pictures.update()
+    columns, *rows = reader.outputs.table.get()
+    shown = pictures.outputs.images.get()
+    assert len(shown) == len(rows) == 12
+    for row, picture in zip(rows, shown):
+        with image.open(row[columns.index("FILE")]) as file:
+            assert np.array_equal(picture.channels["rgba"], np.array(file.convert("RGBA")))
