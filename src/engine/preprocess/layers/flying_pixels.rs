@@ -30,11 +30,11 @@
 //! Purpose: an anti-aliased silhouette carries a color that belongs to no surface; left alone it is painted as a bright or
 //! dark fringe wherever it lands. Source: none in the paper, which reports that anti-aliased input looked worse (§4).
 //! Rule: across a depth step the pixel's color is between its own side's and the other side's, away from its own. A pixel of the sky
-//! beside any surface is blended as well if its color differs from that of the sky around: the surface that it is blended
-//! with may be too thin to be seen beside it.
+//! beside anything else is blended as well if its color differs from that of the nearest clean sky: the surface that it is blended
+//! with may be too thin to be seen beside it, or move and live in a shorter span.
 //!
-//! Limit: a sample is tested when its span is decided, before samples of shorter spans are there. If either side lives in a shorter
-//! span, as a thing that passes behind one at rest does, blending is not detected and the sample counts as clean. This concerns 5 to
+//! Limit: a sample of a surface is tested when its span is decided, before samples of shorter spans are there. If the other side lives in a
+//! shorter span, as a thing that passes behind one at rest does, blending is not detected and the sample counts as clean. This concerns 5 to
 //! 9 % of the blended pixels of the built-in scene `nine-cameras`, and 31 % where no noise is granted, as spans are short there.
 
 use glam::Vec3;
@@ -188,8 +188,8 @@ const MIN_CONTRAST_STEPS: f32 = 12.0;
 /// Share of the other side's color from which a pixel counts as blended.
 const MIN_SHARE: f32 = 0.12;
 
-/// Columns and rows around a pixel of the sky in which clean sky is looked for.
-const CLEAN_SKY_REACH: usize = 5;
+/// Columns and rows around a pixel of the sky in which clean sky is looked for, until some is found: a narrow gap shows none.
+const CLEAN_SKY_REACHES: [usize; 3] = [5, 15, 45];
 
 /// How far the color may be off the line between the two sides, as a share of their distance.
 const MAX_OFF_LINE: f32 = 0.35;
@@ -214,28 +214,31 @@ impl<'a> BlendedTest<'a> {
     /// Whether the pixel shows the sky beside a surface, in a color that the sky around has not.
     fn is_blended_sky(&self, x: usize, y: usize) -> bool {
         let here = y * self.layer.width + x;
-        self.is_beside_surface(here)
+        self.is_rim_of_sky(here)
             && self
                 .clean_sky_around(x, y)
                 .is_some_and(|clean| (self.color(here) - clean).length() >= MIN_CONTRAST_STEPS)
     }
 
-    /// Whether a pixel shows the sky, and one of its neighbors a surface.
-    fn is_beside_surface(&self, pixel: usize) -> bool {
+    /// Whether a pixel shows the sky, and one of its neighbors something else: a surface, or what a layer of several frames has not,
+    /// such as one that moves.
+    fn is_rim_of_sky(&self, pixel: usize) -> bool {
         let depths = &self.layer.inverse_depth;
         let (x, y) = (pixel % self.layer.width, pixel / self.layer.width);
-        depths[pixel] == 0.0 && self.around(x, y, 1).any(|neighbor| depths[neighbor] > 0.0)
+        depths[pixel] == 0.0 && self.around(x, y, 1).any(|neighbor| depths[neighbor] != 0.0)
     }
 
-    /// The mean color of the sky around a pixel, without what is beside a surface; `None` where there is no other.
+    /// The mean color of the sky around a pixel, without its rim; `None` where there is no other.
     fn clean_sky_around(&self, x: usize, y: usize) -> Option<Vec3> {
         let depths = &self.layer.inverse_depth;
-        let is_clean = |pixel: &usize| depths[*pixel] == 0.0 && !self.is_beside_surface(*pixel);
-        let (sum, count) = self
-            .around(x, y, CLEAN_SKY_REACH)
-            .filter(is_clean)
-            .fold((Vec3::ZERO, 0.0), |(sum, count), pixel| (sum + self.color(pixel), count + 1.0));
-        (count > 0.0).then(|| sum / count)
+        let is_clean = |pixel: &usize| depths[*pixel] == 0.0 && !self.is_rim_of_sky(*pixel);
+        let within = |reach: usize| {
+            let clean = self.around(x, y, reach).filter(is_clean);
+            let (sum, count) =
+                clean.fold((Vec3::ZERO, 0.0), |(sum, count), pixel| (sum + self.color(pixel), count + 1.0));
+            (count > 0.0).then(|| sum / count)
+        };
+        CLEAN_SKY_REACHES.into_iter().find_map(within)
     }
 
     /// The pixels at most this many columns and rows from `(x, y)`.
@@ -293,7 +296,7 @@ const NEIGHBORS: [(isize, isize); 4] = [(1, 0), (-1, 0), (0, 1), (0, -1)];
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::Intrinsics;
+    use crate::capture::{INVALID_INVERSE_DEPTH, Intrinsics};
     use glam::DVec3;
     use half::f16;
 
@@ -403,8 +406,31 @@ mod tests {
         }
         // Not beside a surface, so it is the sky's own.
         set(14, 7, 0.0, 0.4);
+        // What moves is not in the layer.
+        set(13, 2, INVALID_INVERSE_DEPTH, 0.0);
+        set(14, 2, 0.0, 0.4);
         let test = BlendedTest::new(&layer, &camera, 1.0);
         let found: Vec<usize> = (0..16 * 9).filter(|pixel| test.is_blended(pixel % 16, pixel / 16)).collect();
-        assert_eq!(found, [3 * 16 + 3, 4 * 16 + 9]);
+        assert_eq!(found, [2 * 16 + 14, 3 * 16 + 3, 4 * 16 + 9]);
+    }
+
+    #[test]
+    fn in_a_gap_that_is_too_narrow_for_clean_sky_the_sky_farther_off_tells_what_is_blended() {
+        let lens = Intrinsics::from_horizontal_angle(40, 9, 0.9);
+        let camera = Camera::look_at("c", lens, DVec3::ZERO, DVec3::Y, DVec3::Z);
+        let mut layer = CameraLayer::empty(40, 9);
+        let of_column = |x: usize| match x {
+            8 => (0.0, 0.8),
+            9 => (0.0, 0.4),
+            0..20 => (1.0, 0.1),
+            _ => (0.0, 0.8),
+        };
+        for pixel in 0..40 * 9 {
+            let (inverse_depth, linear) = of_column(pixel % 40);
+            (layer.inverse_depth[pixel], layer.color[pixel]) = (inverse_depth, [f16::from_f32(linear); 3]);
+        }
+        let test = BlendedTest::new(&layer, &camera, 1.0);
+        let found: Vec<usize> = (0..40).filter(|x| test.is_blended_sky(*x, 4)).collect();
+        assert_eq!(found, [9]);
     }
 }
