@@ -47,7 +47,7 @@ pub use orthographic::OrthographicView;
 pub use painter::Painter;
 pub use renderer::{Renderer, WindowPicture};
 pub use stage_times::StageTimes;
-pub use value_colors::{MISSING_COLOR, ValueColors, colored_samples};
+pub use value_colors::{BACKGROUND_COLOR, MISSING_COLOR, ValueColors, colored_samples};
 pub use vantage::{MAX_PIXELS, NO_IMAGE, Picture, RenderStats, Vantage};
 
 #[cfg(test)]

@@ -10,8 +10,11 @@ use crate::color::linear_from_srgb;
 use crate::samples::{SampleImage, SampleSet};
 use crate::settings::{Colormap, ValueScale};
 
-/// The color of what has no value, 8-bit sRGB: a gray that no colormap has.
+/// The color of a surface without a value, 8-bit sRGB: a gray that no colormap has.
 pub const MISSING_COLOR: [u8; 3] = [128, 128, 128];
+
+/// The color of what is infinitely far and has no value, 8-bit sRGB: another such gray, as light as paper nearly is.
+pub const BACKGROUND_COLOR: [u8; 3] = [216, 216, 216];
 
 /// How values become colors.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,10 +91,16 @@ impl ValueColors {
         }
     }
 
-    /// The color of a value, linear Rec.709.
+    /// The color of what has a value, at an inverse depth, 8-bit sRGB: what lies at infinity, or nowhere, and has none is background.
     #[must_use]
-    pub fn linear_color(&self, value: f32) -> [f32; 3] {
-        self.color(value).map(|channel| linear_from_srgb(f32::from(channel) / 255.0))
+    pub fn color_at(&self, value: f32, inverse_depth: f32) -> [u8; 3] {
+        if value.is_nan() && inverse_depth <= 0.0 { BACKGROUND_COLOR } else { self.color(value) }
+    }
+
+    /// The same, linear Rec.709.
+    #[must_use]
+    pub fn linear_color_at(&self, value: f32, inverse_depth: f32) -> [f32; 3] {
+        self.color_at(value, inverse_depth).map(|channel| linear_from_srgb(f32::from(channel) / 255.0))
     }
 
     /// The color of a value, 8-bit sRGB. Beyond the range it is that of its end.
@@ -115,8 +124,9 @@ impl ValueColors {
 #[must_use]
 pub fn colored_samples(samples: &SampleSet, channel: usize, colors: &ValueColors) -> SampleSet {
     let colored = |image: &Arc<SampleImage>| {
-        let of_value = |value: f32| colors.linear_color(value).map(f16::from_f32);
-        let color = image.values.channel(channel).map(of_value).collect();
+        let of_sample = |(value, w)| colors.linear_color_at(value, w).map(f16::from_f32);
+        let depths = image.depth.unpack(&image.tiles);
+        let color = image.values.channel(channel).zip(depths).map(of_sample).collect();
         Arc::new(SampleImage { color, ..SampleImage::clone(image) })
     };
     SampleSet { images: samples.images.par_iter().map(colored).collect(), ..samples.clone() }
@@ -157,6 +167,9 @@ mod tests {
         assert_eq!(colors.color(20.0), colors.color(f32::INFINITY));
         assert!(colors.color(10.0) != colors.color(15.0) && colors.color(15.0) != colors.color(20.0));
         assert_eq!(colors.color(MISSING_VALUE), MISSING_COLOR);
+        let beside = [(MISSING_VALUE, 0.5), (MISSING_VALUE, 0.0), (12.0, 0.0)]
+            .map(|(value, w)| colors.color_at(value, w));
+        assert_eq!(beside, [MISSING_COLOR, BACKGROUND_COLOR, colors.color(12.0)]);
         let isolated = colors.isolating([12.0, 13.0]);
         assert_eq!([11.9, 13.1].map(|value| isolated.color(value)), [MISSING_COLOR; 2]);
         assert_eq!(isolated.color(12.5), colors.color(12.5));

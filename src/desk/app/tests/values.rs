@@ -79,14 +79,15 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     let values = output::PictureValues::of(&live.key.samples, &live.key.vantage, rendered);
     let colors = look.colors(&values.channels[0]).unwrap();
     let (mut gray, mut seen) = (0, 0);
-    for ((value, pixel), image) in
-        values.values.channel(0).zip(&isolated.pixels).zip(rendered.image.as_slice())
+    let depths = rendered.inverse_depth.as_slice();
+    for (((value, pixel), image), w) in
+        values.values.channel(0).zip(&isolated.pixels).zip(rendered.image.as_slice()).zip(depths)
     {
         if *image == NO_IMAGE {
             continue;
         }
         let shown = [pixel.r(), pixel.g(), pixel.b()];
-        assert_eq!(shown, colors.color(value), "{value}");
+        assert_eq!(shown, colors.color_at(value, *w), "{value}");
         seen += usize::from((100.0..=120.0).contains(&value));
         gray += usize::from(shown == MISSING_COLOR);
     }

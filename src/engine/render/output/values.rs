@@ -58,7 +58,11 @@ impl PictureValues {
         let mut of_pixel = self.values.channel(channel);
         let color = Grid::from_fn(width, height, |x, y| {
             let value = of_pixel.next().unwrap_or(MISSING_VALUE);
-            if picture.alpha((x, y)) > 0.0 { colors.linear_color(value) } else { [0.0; 3] }
+            if picture.alpha((x, y)) > 0.0 {
+                colors.linear_color_at(value, picture.inverse_depth[(x, y)])
+            } else {
+                [0.0; 3]
+            }
         });
         Picture { color, ..picture.clone() }
     }

@@ -25,8 +25,8 @@ use overlook_engine::job::Job;
 use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::render::gpu::HolePattern;
 use overlook_engine::render::{
-    NO_IMAGE, Painter, Picture, PictureCarrier, RenderStats, Renderer, ScreenPicture, ValueColors,
-    WindowPicture, background_holes, output,
+    BACKGROUND_COLOR, NO_IMAGE, Painter, Picture, PictureCarrier, RenderStats, Renderer, ScreenPicture,
+    ValueColors, WindowPicture, background_holes, output,
 };
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Antialias, RenderSettings};
@@ -132,7 +132,8 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 (HoleDisplay::Hatched, _) => mix(own, pattern, HATCHING[nth]),
                 (HoleDisplay::Filled, ColorBy::Picture) => own,
                 // These colors describe samples, and this pixel has none.
-                (_, ColorBy::Value) => values.as_ref().map_or(own, LiveValues::missing),
+                // One color, so that figures have one background.
+                (_, ColorBy::Value) if values.is_some() => opaque(BACKGROUND_COLOR),
                 _ => dimmed(own, DIMMED),
             };
         }
@@ -151,7 +152,9 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 let share = if source.span.len() >= frames { 0.55 } else { 0.7 };
                 mix(dimmed(own, DIMMED), tokens.of_span(source.span.len(), frames), share)
             }
-            ColorBy::Value => values.as_ref().map_or(own, |values| values.color(x, y)),
+            ColorBy::Value => {
+                values.as_ref().map_or(own, |values| values.color(x, y, picture.inverse_depth[(x, y)]))
+            }
             ColorBy::SamplingRate => {
                 let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);
@@ -164,6 +167,10 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let rows = colors.par_chunks_mut(width.max(1)).enumerate();
     rows.for_each(|(y, row)| row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = color(x, y)));
     Grid::from_vec(width, height, colors)
+}
+
+fn opaque([red, green, blue]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(red, green, blue)
 }
 
 /// One value of each pixel, and its colors.
@@ -183,15 +190,8 @@ impl LiveValues {
         Some(Self { values: Grid::from_vec(width, height, shown.values.channel(channel).collect()), colors })
     }
 
-    /// Of pixels without a value: one color, so that figures have one background.
-    fn missing(&self) -> Color32 {
-        let [r, g, b] = self.colors.color(f32::NAN);
-        Color32::from_rgb(r, g, b)
-    }
-
-    fn color(&self, x: usize, y: usize) -> Color32 {
-        let [r, g, b] = self.colors.color(self.values[(x, y)]);
-        Color32::from_rgb(r, g, b)
+    fn color(&self, x: usize, y: usize, inverse_depth: f32) -> Color32 {
+        opaque(self.colors.color_at(self.values[(x, y)], inverse_depth))
     }
 }
 

@@ -16,7 +16,7 @@ use crate::app::theme::Tokens;
 use crate::ways_out::figure::Unit;
 use overlook_engine::capture::Camera;
 use overlook_engine::preprocess::agreement::SampleAgreement;
-use overlook_engine::render::{NO_IMAGE, Picture};
+use overlook_engine::render::{BACKGROUND_COLOR, MISSING_COLOR, NO_IMAGE, Picture};
 use overlook_lab::chart::{ColorBar, LegendEntry};
 
 /// Colors of a bar.
@@ -158,12 +158,14 @@ fn of_samples(key: &LiveKey, rendered: &Picture) -> Meaning {
             let found = key.display.values.channel_of(&key.samples.values);
             let colored =
                 found.and_then(|(_, channel)| Some((channel, key.display.values.colors(channel).ok()?)));
-            let missing = colored.as_ref().map(|(_, colors)| LegendEntry {
-                color: Some(colors.color(f32::NAN)),
-                name: "no value".to_owned(),
-            });
             let bar_of = colored.map(|(channel, colors)| ColorBar::of_values(channel, &colors));
-            Meaning { legend: missing.into_iter().collect(), color_bar: bar_of }
+            let grays = [(MISSING_COLOR, "no value"), (BACKGROUND_COLOR, "background")];
+            let entries =
+                grays.map(|(color, name)| LegendEntry { color: Some(color), name: name.to_owned() });
+            Meaning {
+                legend: if bar_of.is_some() { entries.to_vec() } else { Vec::new() },
+                color_bar: bar_of,
+            }
         }
         ColorBy::SamplingRate => {
             Meaning { legend: Vec::new(), color_bar: Some(ratio("denser than pixels", "coarser")) }

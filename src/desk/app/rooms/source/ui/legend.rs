@@ -16,6 +16,7 @@ use crate::app::{camera_cues, model};
 use overlook_engine::grid::Grid;
 use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::preprocess::inspect::VISIBLE_STEPS;
+use overlook_engine::render::{BACKGROUND_COLOR, MISSING_COLOR};
 use overlook_engine::samples::TILE;
 
 /// Height of a line of legend.
@@ -271,12 +272,10 @@ fn value_ui(ui: &mut Ui, state: &State) {
     };
     let [low, high] = colors.range().map(|end| model::significant(f64::from(end)));
     let low = format!("{} {low}", titled_value(channel));
-    let color = |value: f32| {
-        let [r, g, b] = colors.color(value);
-        Color32::from_rgb(r, g, b)
-    };
-    bar_ui(ui, &low, &high, |share| color(colors.value_at(share)));
-    swatch_ui(ui, color(f32::NAN), "no value");
+    let opaque = |[r, g, b]: [u8; 3]| Color32::from_rgb(r, g, b);
+    bar_ui(ui, &low, &high, |share| opaque(colors.color(colors.value_at(share))));
+    swatch_ui(ui, opaque(MISSING_COLOR), "no value");
+    swatch_ui(ui, opaque(BACKGROUND_COLOR), "background");
 }
 
 /// What pixels are that no sample reached, and their share of the picture.
