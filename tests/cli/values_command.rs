@@ -8,7 +8,7 @@ use glam::DVec2;
 use overlook_engine::capture::exr::ExrFile;
 use overlook_engine::capture::pictures::parse_npy;
 use overlook_engine::capture::{open, transforms};
-use overlook_engine::render::ValueColors;
+use overlook_engine::render::{BACKGROUND_COLOR, ValueColors};
 use overlook_engine::settings::{CaptureSettings, Colormap, ValueScale};
 use serde_json::{Value, json};
 
@@ -87,7 +87,10 @@ fn colors(range: [f32; 2]) -> ValueColors {
 /// Pixels of the picture, without what lies below it, that have the colors of these values.
 fn colored_like(picture: &image::RgbaImage, values: &[f32], colors: &ValueColors) -> usize {
     let pixels = picture.pixels().zip(values);
-    pixels.filter(|(pixel, value)| pixel[3] < 255 || pixel.0[..3] == colors.color(**value)).count()
+    let is_like = |pixel: &image::Rgba<u8>, value: f32| {
+        pixel.0[..3] == colors.color(value) || value.is_nan() && pixel.0[..3] == BACKGROUND_COLOR
+    };
+    pixels.filter(|(pixel, value)| pixel[3] < 255 || is_like(pixel, **value)).count()
 }
 
 #[test]
@@ -157,6 +160,11 @@ fn films_pictures_and_figures_are_colored_by_value_in_one_range_with_a_scalar_ba
     let window = layers.window(None).unwrap();
     let [values, red] = names.map(|name| layers.decode(&[name], window).unwrap().remove(0).into_single());
     assert_eq!(colored_like(&bare, &values, &colors([0.0, 1.0])), values.len());
+    export("pictures", "open", &["--color-by", "z/m", "--range", "0,1", "--no-scalar-bar", "--transparent"]);
+    let open = picture(&here.join("open/0000.png"));
+    for ((open, bare), value) in open.pixels().zip(bare.pixels()).zip(&values) {
+        assert!(if value.is_nan() { open[3] == 0 } else { open == bare }, "{value}: {open:?} {bare:?}");
+    }
     let plain = ExrFile::open(&here.join("plain/0000.exr"), "exr").unwrap();
     let own = plain.channels().iter().position(|it| it.name == "R").unwrap();
     let window = plain.window(None).unwrap();

@@ -12,8 +12,10 @@ use super::surface_samples::has_exact_depth;
 
 /// The share of the pairs of cameras that have to agree, so that one wrong pose does not hide that the others are exact.
 const AGREEING_PAIRS: f64 = 0.25;
-/// A pose that pays and is off by this much is wrong: drawing that goes with the camera moves what exact views show by less, footprints.
+/// A pose that pays and is off by this much is wrong where the distances of surfaces fall to this share: drawing that goes with the camera
+/// moves what exact views show by less, footprints, and lights that do so leave distances as they are.
 const FAR_OFF_FOOTPRINTS: f64 = 2.0;
+const FAR_OFF_FALL: f64 = 0.75;
 /// How far apart the surfaces of two exact views are at most, by the median, footprints.
 const EXACT_FOOTPRINTS: f64 = 0.3;
 
@@ -47,7 +49,8 @@ pub(super) fn left(what: &str, setting: &str) -> String {
 pub(super) fn doubtful_poses(poses: &mut [PoseCorrection]) -> Vec<usize> {
     let mut doubtful = Vec::new();
     let is_doubtful = |pose: &PoseCorrection| {
-        let is_far_off = pose.footprints > FAR_OFF_FOOTPRINTS && pose.distances.pays();
+        let falls = pose.distances.pays() && pose.distances.after < FAR_OFF_FALL * pose.distances.before;
+        let is_far_off = pose.footprints > FAR_OFF_FOOTPRINTS && falls;
         pose.kept && !is_far_off && !pose.distances.is_beyond_doubt()
     };
     for (camera, pose) in poses.iter_mut().enumerate().filter(|(_, pose)| is_doubtful(pose)) {

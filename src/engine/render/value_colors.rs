@@ -24,6 +24,8 @@ pub struct ValueColors {
     range: [f32; 2],
     /// Values outside are shown as missing ones.
     isolated: Option<[f32; 2]>,
+    /// Whether pictures leave out what has no value.
+    leaves_out_missing: bool,
 }
 
 impl ValueColors {
@@ -46,13 +48,33 @@ impl ValueColors {
         if scale == ValueScale::Log && range[0] <= 0.0 {
             return Err(format!("the range from {low} to {high} has no logarithm; give one above 0"));
         }
-        Ok(Self { map, scale, range, isolated: None })
+        Ok(Self { map, scale, range, isolated: None, leaves_out_missing: false })
     }
 
     /// These colors for values from one number to another: all others are shown as missing.
     #[must_use]
     pub fn isolating(self, isolated: [f32; 2]) -> Self {
         Self { isolated: Some(isolated), ..self }
+    }
+
+    /// These colors for pictures that are transparent where nothing has a value.
+    #[must_use]
+    pub fn leaving_out_missing(self) -> Self {
+        Self { leaves_out_missing: true, ..self }
+    }
+
+    /// Whether pictures are transparent where nothing has a value.
+    #[must_use]
+    pub fn leaves_out_missing(&self) -> bool {
+        self.leaves_out_missing
+    }
+
+    /// Whether a value is shown as a missing one.
+    #[must_use]
+    pub fn is_missing(&self, value: f32) -> bool {
+        let is_shown = self.isolated.is_none_or(|[low, high]| (low..=high).contains(&value));
+        // Without a logarithm no color would be true.
+        value.is_nan() || !is_shown || self.share_of(value).is_none()
     }
 
     /// Between which values colors run.
@@ -106,12 +128,9 @@ impl ValueColors {
     /// The color of a value, 8-bit sRGB. Beyond the range it is that of its end.
     #[must_use]
     pub fn color(&self, value: f32) -> [u8; 3] {
-        let is_shown = self.isolated.is_none_or(|[low, high]| (low..=high).contains(&value));
-        if value.is_nan() || !is_shown {
+        let Some(share) = self.share_of(value).filter(|_| !self.is_missing(value)) else {
             return MISSING_COLOR;
-        }
-        // Without a logarithm no color would be true.
-        let Some(share) = self.share_of(value) else { return MISSING_COLOR };
+        };
         let Color { r, g, b } = match gradient(self.map) {
             Some(gradient) => gradient.eval_continuous(share),
             None => category(value),
@@ -170,6 +189,7 @@ mod tests {
         let beside = [(MISSING_VALUE, 0.5), (MISSING_VALUE, 0.0), (12.0, 0.0)]
             .map(|(value, w)| colors.color_at(value, w));
         assert_eq!(beside, [MISSING_COLOR, BACKGROUND_COLOR, colors.color(12.0)]);
+        assert!(colors.is_missing(MISSING_VALUE) && !colors.is_missing(25.0));
         let isolated = colors.isolating([12.0, 13.0]);
         assert_eq!([11.9, 13.1].map(|value| isolated.color(value)), [MISSING_COLOR; 2]);
         assert_eq!(isolated.color(12.5), colors.color(12.5));

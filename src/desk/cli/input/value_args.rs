@@ -16,8 +16,8 @@ use overlook_lab::chart::ColorBar;
 /// How scalar values are shown.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
 pub(crate) struct ValueArgs {
-    /// Color by the scalar value of this name, in each pixel that of the nearest surface; what has none is gray (128, 128, 128). An EXR
-    /// keeps the picture's colors, and has all values as layers value.NAME.
+    /// Color by the scalar value of this name, in each pixel that of the nearest surface; a surface without one is gray (128, 128, 128), the
+    /// background light gray (216, 216, 216). An EXR keeps the picture's colors, and has all values as layers value.NAME.
     #[arg(long, value_name = "NAME")]
     color_by: Option<String>,
     /// Between which values colors run: two numbers, as in 0,5, or shares of what is in view, as in 2%,98% [default: the range of the
@@ -33,6 +33,9 @@ pub(crate) struct ValueArgs {
     /// Show the values between these two numbers alone; all others are gray.
     #[arg(long, value_name = "LOW,HIGH", requires = "color_by", allow_hyphen_values = true)]
     isolate: Option<ValueRange>,
+    /// Pictures are transparent where nothing has a value, instead of gray.
+    #[arg(long, requires = "color_by")]
+    transparent: bool,
 }
 
 /// How scalar values are shown, with what the colors mean.
@@ -136,6 +139,7 @@ impl ValueArgs {
         let (map, scale) =
             (self.colormap.unwrap_or(Colormap::Viridis), self.value_scale.unwrap_or(ValueScale::Linear));
         let colors = ValueColors::new(map, scale, range).map_err(invalid)?;
+        let colors = if self.transparent { colors.leaving_out_missing() } else { colors };
         match self.isolate {
             None => Ok(colors),
             Some(ValueRange::Numbers(isolated)) => Ok(colors.isolating(isolated)),

@@ -39,11 +39,11 @@ const NOT_CHANCE: f64 = 0.15;
 /// chance. Among 200 exact scenes, four have a lens that fits 1.4 to 1.6 times as well.
 const UNIT_DECIDES: f64 = 1.4;
 const LENS_DECIDES: f64 = 1.8;
-/// Where the depth of this share of the points agrees under the claimed lens and of fewer under another one, pictures have to correlate this
-/// much to refute the claimed one: lights that move with the cameras make patches of smooth surfaces meet look-alikes. Exact scenes under
-/// such lights reach 0.29 under wrong lenses, and recordings agree in depth for at most a quarter of the points.
-const DEPTH_AGREES: f64 = 0.5;
-const REFUTES_DEPTH: f64 = 0.4;
+/// Depth is exact where other views contradict at most this share of the points about which they say anything, at this tolerance as a share
+/// of depth. Then the lens that it was carried through is right, whatever pictures show: under lights that move with the cameras, patches of
+/// smooth surfaces meet look-alikes that correlate by up to 0.62.
+const MOST_CONTRADICTED: f64 = 0.01;
+const EXACT_TOLERANCE: f64 = 0.002;
 /// Both have to fit better by this much, and by this many standard errors of the pairs: some pairs see nothing in common.
 const LEAST_GAIN: f64 = 0.08;
 const STANDARD_ERRORS: f64 = 2.0;
@@ -74,15 +74,19 @@ pub(super) fn refined(finding: Finding, comparison: &Comparison, frames: &[Arc<F
     if rivals.iter().any(|rival| mean(rival) * UNIT_DECIDES >= 1.0) {
         return finding;
     }
+    let votes = comparison.votes(&claimed, POINTS, EXACT_TOLERANCE);
+    let is_exact = votes.contradict as f64 <= MOST_CONTRADICTED * (votes.agree + votes.contradict) as f64;
     let by_depth = |reading: &Reading| comparison.score(reading, POINTS, NARROW);
+    // Depth that nothing contradicts by chance, as where few points meet, is as exact under the other lens.
+    let is_refuted = |reading: &Reading| {
+        reading.lens != claimed.lens && is_exact && by_depth(reading) < by_depth(&claimed)
+    };
     let is_believed = |reading: &Reading| {
         let found = pictures.correlations(reading, ALL);
-        let is_lens = reading.lens != claimed.lens;
-        let decides = if is_lens { LENS_DECIDES } else { UNIT_DECIDES };
-        let refutes_depth = || mean(&found) >= REFUTES_DEPTH || by_depth(&claimed) < DEPTH_AGREES;
+        let decides = if reading.lens == claimed.lens { UNIT_DECIDES } else { LENS_DECIDES };
         differs(reading, &claimed)
             && rivals.iter().all(|rival| is_better(&found, rival, decides))
-            && (!is_lens || refutes_depth() || by_depth(reading) >= by_depth(&claimed))
+            && !is_refuted(reading)
     };
     let units = if unit_is_open && !claimed.measure.is_buffer() { other_units(&claimed) } else { Vec::new() };
     let believed = [other_lenses(&claimed), units].into_iter().filter_map(|readings| {

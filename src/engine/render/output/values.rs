@@ -12,6 +12,7 @@ use crate::capture::{MISSING_VALUE, ValueChannel, Values};
 use crate::color::linear_from_srgb;
 use crate::error::{Error, Result};
 use crate::grid::Grid;
+use crate::render::free_space::HOLE;
 use crate::render::value_colors::ValueColors;
 use crate::render::vantage::{NO_IMAGE, Picture, Vantage};
 use crate::samples::SampleSet;
@@ -51,20 +52,31 @@ impl PictureValues {
         Self { channels: samples.values.clone(), values: Values::from_planes(&planes) }
     }
 
-    /// The picture in the colors of one channel; black in holes that were not filled.
+    /// The picture in the colors of one channel; black in holes that were not filled, and holes where nothing has a value if the colors
+    /// leave that out.
     #[must_use]
     pub fn colored(&self, picture: &Picture, channel: usize, colors: &ValueColors) -> Picture {
         let (width, height) = picture.color.size();
-        let mut of_pixel = self.values.channel(channel);
-        let color = Grid::from_fn(width, height, |x, y| {
-            let value = of_pixel.next().unwrap_or(MISSING_VALUE);
-            if picture.alpha((x, y)) > 0.0 {
-                colors.linear_color_at(value, picture.inverse_depth[(x, y)])
-            } else {
-                [0.0; 3]
-            }
+        let values: Vec<f32> = self.values.channel(channel).collect();
+        let value_at = |x: usize, y: usize| values.get(y * width + x).copied().unwrap_or(MISSING_VALUE);
+        let color = Grid::from_fn(width, height, |x, y| match picture.alpha((x, y)) > 0.0 {
+            true => colors.linear_color_at(value_at(x, y), picture.inverse_depth[(x, y)]),
+            false => [0.0; 3],
         });
-        Picture { color, ..picture.clone() }
+        let mut colored = Picture { color, ..picture.clone() };
+        if colors.leaves_out_missing() {
+            for pixel in
+                (0..width * height).filter(|pixel| colors.is_missing(value_at(pixel % width, pixel / width)))
+            {
+                colored.color.as_mut_slice()[pixel] = [0.0; 3];
+                colored.image.as_mut_slice()[pixel] = NO_IMAGE;
+                colored.inverse_depth.as_mut_slice()[pixel] = HOLE;
+                if let Some(coverage) = colored.coverage.get_mut(pixel) {
+                    *coverage = 0.0;
+                }
+            }
+        }
+        colored
     }
 }
 

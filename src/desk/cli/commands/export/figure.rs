@@ -13,7 +13,7 @@ use overlook_engine::capture::Camera;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::render::film::{self, FilmPicture, FilmSource};
 use overlook_engine::render::output::shown_values;
-use overlook_engine::render::{Picture, Renderer, Vantage};
+use overlook_engine::render::{Picture, Renderer, ValueColors, Vantage};
 use overlook_engine::store::file::StoreInfo;
 use overlook_lab::chart::{ColorBar, Figure};
 
@@ -146,8 +146,8 @@ impl FigureArgs {
         let source = FilmSource::Disk(playback.clone());
         let name = place.display().to_string();
         let colored = self.values.channel(&playback.outline().values, &name)?;
-        let (picture, bar) = output::watched(|job| {
-            let mut painted: Option<(Picture, Option<ColorBar>)> = None;
+        let (picture, values) = output::watched(|job| {
+            let mut painted: Option<(Picture, Option<(ColorBar, ValueColors)>)> = None;
             let take = |_: usize, shown: &FilmPicture| {
                 let picture: &Picture = &shown.picture;
                 painted = Some(match colored {
@@ -156,7 +156,7 @@ impl FigureArgs {
                         let values = shown.values();
                         let in_view = shown_values(picture, &values, channel);
                         let value = self.values.shown(&values.channels, channel, &in_view, &name)?;
-                        (values.colored(picture, channel, &value.colors), Some(value.bar))
+                        (values.colored(picture, channel, &value.colors), Some((value.bar, value.colors)))
                     }
                 });
                 Ok(())
@@ -167,7 +167,7 @@ impl FigureArgs {
         })?;
         output::warn(renderer.notice().map(str::to_owned).as_slice());
         output::warn(&playback.store().damage());
-        Ok(app::figure_of_rendered(&picture, &camera, self.orthographic, bar, options))
+        Ok(app::figure_of_rendered(&picture, &camera, self.orthographic, values, options))
     }
 
     /// From where a store is shown.

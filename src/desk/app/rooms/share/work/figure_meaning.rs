@@ -16,7 +16,7 @@ use crate::app::theme::Tokens;
 use crate::ways_out::figure::Unit;
 use overlook_engine::capture::Camera;
 use overlook_engine::preprocess::agreement::SampleAgreement;
-use overlook_engine::render::{BACKGROUND_COLOR, MISSING_COLOR, NO_IMAGE, Picture};
+use overlook_engine::render::{BACKGROUND_COLOR, MISSING_COLOR, NO_IMAGE, Picture, ValueColors};
 use overlook_lab::chart::{ColorBar, LegendEntry};
 
 /// Colors of a bar.
@@ -158,19 +158,22 @@ fn of_samples(key: &LiveKey, rendered: &Picture) -> Meaning {
             let found = key.display.values.channel_of(&key.samples.values);
             let colored =
                 found.and_then(|(_, channel)| Some((channel, key.display.values.colors(channel).ok()?)));
-            let bar_of = colored.map(|(channel, colors)| ColorBar::of_values(channel, &colors));
-            let grays = [(MISSING_COLOR, "no value"), (BACKGROUND_COLOR, "background")];
-            let entries =
-                grays.map(|(color, name)| LegendEntry { color: Some(color), name: name.to_owned() });
-            Meaning {
-                legend: if bar_of.is_some() { entries.to_vec() } else { Vec::new() },
-                color_bar: bar_of,
-            }
+            let meaning =
+                colored.map(|(channel, colors)| of_values(ColorBar::of_values(channel, &colors), &colors));
+            meaning.unwrap_or_default()
         }
         ColorBy::SamplingRate => {
             Meaning { legend: Vec::new(), color_bar: Some(ratio("denser than pixels", "coarser")) }
         }
     }
+}
+
+/// What colors by value mean.
+pub(crate) fn of_values(bar: ColorBar, colors: &ValueColors) -> Meaning {
+    let grays = [(MISSING_COLOR, "no value"), (BACKGROUND_COLOR, "background")];
+    let grays = grays.map(|(color, name)| LegendEntry { color: Some(color), name: name.to_owned() });
+    let legend = if colors.leaves_out_missing() { Vec::new() } else { grays.to_vec() };
+    Meaning { legend, color_bar: Some(bar) }
 }
 
 /// What both sides of a comparison are called, and what the colors of a difference mean.

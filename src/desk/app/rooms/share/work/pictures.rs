@@ -26,7 +26,7 @@ use overlook_engine::job::Job;
 use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::preprocess::{self, inspect_frame};
 use overlook_engine::render::film::{self, FilmSource};
-use overlook_engine::render::{NO_IMAGE, Picture, Renderer, Vantage};
+use overlook_engine::render::{NO_IMAGE, Picture, Renderer, ValueColors, Vantage};
 use overlook_engine::settings::Settings;
 use overlook_engine::whole_file;
 use overlook_lab::chart::{ColorBar, Figure, ScaleBar, SideNames};
@@ -117,7 +117,7 @@ pub(crate) fn of_rendered(
     picture: &Picture,
     camera: &Camera,
     orthographic: Option<f64>,
-    color_bar: Option<ColorBar>,
+    values: Option<(ColorBar, ValueColors)>,
     options: &FigureOptions,
 ) -> Figure {
     let (width, height) = picture.color.size();
@@ -133,7 +133,8 @@ pub(crate) fn of_rendered(
         }
         None => scale_bar(&camera.intrinsics, &picture.inverse_depth, options.unit),
     };
-    put_together(pixels, Meaning { legend: Vec::new(), color_bar }, Some(scale), options)
+    let meaning = values.map(|(bar, colors)| figure_meaning::of_values(bar, &colors));
+    put_together(pixels, meaning.unwrap_or_default(), Some(scale), options)
 }
 
 /// Writes a figure in the format that the ending of its path names. The file takes its name once it is whole. Gives its bytes.
