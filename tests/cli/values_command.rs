@@ -204,8 +204,8 @@ fn a_page_has_the_colors_of_a_value_in_its_samples_and_says_what_they_mean() {
     let mut expected: Vec<[u8; 3]> = kept
         .images
         .iter()
-        .flat_map(|image| image.values.channel(0))
-        .map(|value| isolated.color(value))
+        .flat_map(|image| image.values.channel(0).zip(image.inverse_depths()))
+        .map(|(value, inverse_depth)| isolated.color_at(value, inverse_depth))
         .collect();
     let images = page_reader::images(&page);
     let mut found: Vec<[u8; 3]> =

@@ -39,9 +39,6 @@ pub struct CpuRenderer {
     finished: Vec<Arc<Picture>>,
 }
 
-/// Bands of rows that are painted by each thread, so that none waits long for the last.
-const BANDS_A_THREAD: usize = 2;
-
 /// What is kept from one frame to the next while the vantage is still.
 #[derive(Debug)]
 struct VantageCache {
@@ -109,8 +106,7 @@ impl PictureInput<'_> {
     fn paint(&self, first_tile: usize, bounds: &[TileBounds], layer: &mut PaintedLayer) -> Result<()> {
         let threads = rayon::current_num_threads();
         let (_, height) = self.target.intrinsics.size();
-        let bands =
-            bands(bounds, first_tile, height, if threads == 1 { 1 } else { BANDS_A_THREAD * threads });
+        let bands = bands(bounds, first_tile, height, if threads == 1 { 1 } else { 2 * threads });
         self.end(Stage::Select);
         surface(&self.stage, &bands, &mut layer.keys)?;
         if self.stage.blends() {
@@ -142,7 +138,6 @@ impl PictureInput<'_> {
             stage: &self.stage,
             background: &cache.background,
             foreground,
-            touched: &cache.touched,
             background_picture,
             views: either.map(|either| [either, all.as_ref().unwrap_or(either)]),
             scratches: self.scratches,
@@ -360,16 +355,16 @@ fn paint_foreground(input: &PictureInput<'_>, mut cache: VantageCache) -> Result
     input.paint(input.stage.frame.background_tile_count, &bounds, &mut cache.foreground)?;
     let mut painted = cache.free_picture(&background_picture);
     painted.touched.join(&touched);
-    cache.touched = touched;
     let picture = Arc::make_mut(&mut painted.picture);
     input.resolve(&cache, Some(&cache.foreground), Some(&background_picture), &painted.touched, picture)?;
     let (columns, _) = input.picture_size();
     let is_hole = |image: &u32| *image == NO_IMAGE;
     let holes_in =
-        |picture: &Picture| cache.touched.count(picture.image.as_slice(), columns, input.subpixels, is_hole);
+        |picture: &Picture| touched.count(picture.image.as_slice(), columns, input.subpixels, is_hole);
     painted.holes = background_holes - holes_in(&background_picture) + holes_in(picture);
-    painted.touched = cache.touched.clone();
+    painted.touched = touched.clone();
     cache.pictures.insert(0, painted);
+    cache.touched = touched;
     cache.background_picture = Some((background_picture, background_holes));
     Ok(cache)
 }

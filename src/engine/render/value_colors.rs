@@ -144,7 +144,7 @@ impl ValueColors {
 pub fn colored_samples(samples: &SampleSet, channel: usize, colors: &ValueColors) -> SampleSet {
     let colored = |image: &Arc<SampleImage>| {
         let of_sample = |(value, w)| colors.linear_color_at(value, w).map(f16::from_f32);
-        let depths = image.depth.unpack(&image.tiles);
+        let depths = image.inverse_depths();
         let color = image.values.channel(channel).zip(depths).map(of_sample).collect();
         Arc::new(SampleImage { color, ..SampleImage::clone(image) })
     };

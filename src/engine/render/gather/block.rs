@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use super::interpolate::find_colors;
-use super::silhouette::{BlockEdges, EdgePixel, Patch, PixelSurfaces, RING, SIDE};
+use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
 use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
 use super::surface_points::{PixelShares, StripPixel, SurfaceDepth, SurfacePoints};
 use super::target::{BLOCK, PictureRows, set_images};
@@ -13,7 +13,6 @@ use super::visibility_votes::{VisibilityVotes, VotedPoints, vote};
 use crate::render::input::{FrameSamples, TileCaches};
 use crate::render::splat::{inverse_depth_of, slot_of};
 use crate::render::vantage::{FrontColor, NO_FRONT, NO_IMAGE};
-use crate::simd::{LANES, mask};
 
 /// Tiles are prefetched for this many cameras, the best ones: most points read no more.
 const PREFETCHED_CAMERAS: usize = 3;
@@ -25,8 +24,6 @@ pub(crate) struct GatherScratch {
     pub(crate) patch: Patch,
     /// Unpacked tiles of the background, and of all samples.
     caches: [TileCaches; 2],
-    /// Numbers of the tiles that the block shows.
-    tiles: Vec<u32>,
     cameras: Vec<u16>,
     weights: Vec<(f32, u16)>,
     /// Pixels at steps in depth, row by row.
@@ -44,7 +41,6 @@ impl GatherScratch {
         Self {
             patch: Patch::empty(),
             caches: [TileCaches::new(cameras), TileCaches::new(cameras)],
-            tiles: Vec::new(),
             cameras: Vec::new(),
             weights: Vec::new(),
             edge_pixels: Vec::new(),
@@ -78,8 +74,8 @@ impl GatherScratch {
         let started = Instant::now();
         let (patch, frame) = (&self.patch, views.lookup.frame);
         let keys = patch.keys.as_flattened();
-        list_tiles(keys, &mut self.tiles);
-        frame.cameras_of(&self.tiles, &mut self.cameras);
+        let slots = keys.iter().filter(|key| **key != 0).map(|key| slot_of(*key));
+        frame.cameras_of(slots, &mut self.cameras);
         let center = ((patch.left + BLOCK / 2) as f32, (patch.top + BLOCK / 2) as f32);
         let w = inverse_depth_of(keys[SIDE * SIDE / 2 + SIDE / 2]).max(0.0);
         let slope = patch.slope(BLOCK / 2, BLOCK / 2);
@@ -91,11 +87,11 @@ impl GatherScratch {
         for (row, which) in which.iter_mut().enumerate() {
             *which &= if row < row_count { (u32::MAX >> (32 - columns)) as u16 } else { 0 };
         }
-        let BlockEdges { pixels: mut edges, may_crack } = patch.edges();
+        let mut edges = patch.edges();
         for (edges, which) in edges.iter_mut().zip(&which) {
             *edges &= which;
         }
-        self.list_edge_pixels(&edges[..row_count], &may_crack, subpixels);
+        self.list_edge_pixels(&edges[..row_count], subpixels);
         vote(views, &self.voted_points, &self.cameras, &mut self.caches[nth], &mut self.votes);
         if subpixels == 1 {
             self.set_surfaces(frame, &edges, &which, rows);
@@ -124,9 +120,9 @@ impl GatherScratch {
     }
 
     /// Lists the pixels at steps in depth, a mask of columns per row, and the points that cameras vote on; those that share a pixel
-    /// of the picture one after another. `may_crack` as in [`BlockEdges`].
+    /// of the picture one after another.
     #[inline(always)]
-    fn list_edge_pixels(&mut self, edges: &[u16], may_crack: &[bool; BLOCK], subpixels: usize) {
+    fn list_edge_pixels(&mut self, edges: &[u16], subpixels: usize) {
         let patch = &self.patch;
         self.edge_pixels.clear();
         self.voted_points.clear();
@@ -135,10 +131,7 @@ impl GatherScratch {
                 continue;
             }
             let row_has_edges = |row: usize| edges.get(row).is_some_and(|edges| *edges != 0);
-            let around = [0, 1].map(|row| {
-                let y = nth * subpixels + row;
-                row_has_edges(row).then(|| patch.edge_row(y, may_crack[y]))
-            });
+            let around = [0, 1].map(|row| row_has_edges(row).then(|| patch.edge_row(nth * subpixels + row)));
             let mut left = edges.iter().fold(0, |all, row| all | row);
             while left != 0 {
                 let first = left.trailing_zeros() as usize % BLOCK / subpixels * subpixels;
@@ -229,27 +222,6 @@ impl GatherScratch {
                 depths[column] = inverse_depth_of(key);
                 images[column] = if key == 0 { NO_IMAGE } else { frame.image_of(slot_of(key)) };
             }
-        }
-    }
-}
-
-/// Lists the numbers of the tiles of some keys, most of them once: neighbors are mostly of one tile.
-#[inline(always)]
-fn list_tiles(keys: &[u64], tiles: &mut Vec<u32>) {
-    tiles.clear();
-    let mut last = u32::MAX;
-    for keys in keys.chunks(LANES) {
-        let mut lanes = [0; LANES];
-        lanes[..keys.len()].copy_from_slice(keys);
-        let mut numbers = [last; LANES + 1];
-        for i in 0..LANES {
-            numbers[i + 1] = slot_of(lanes[i]) >> 8;
-        }
-        last = numbers[LANES];
-        let mut first = mask(|i| (lanes[i] != 0) & (numbers[i + 1] != numbers[i]));
-        while first != 0 {
-            tiles.push(numbers[first.trailing_zeros() as usize % LANES + 1]);
-            first &= first - 1;
         }
     }
 }

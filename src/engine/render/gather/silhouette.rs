@@ -47,9 +47,6 @@ const MAX_SLOPE: f32 = 8.0;
 /// An inverse depth that grows by this share over two pixels, or more, is a step and no slope.
 const MAX_GROWTH: f32 = 0.25;
 
-/// Makes up for rounding.
-const ROUNDING: f32 = 1.0001;
-
 /// Directions to the neighbors of a pixel.
 const NEIGHBORS: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
 
@@ -195,9 +192,9 @@ impl Patch {
     }
 
     /// For every pixel of the block whether something is to be decided about it: it shows no core sample, a farther surface or a hole
-    /// is beside it, or a crack may run over it.
+    /// is beside it, or a crack may run over it. A mask of columns per row.
     #[inline(always)]
-    pub(super) fn edges(&self) -> BlockEdges {
+    pub(super) fn edges(&self) -> [u16; BLOCK] {
         let w = &self.w;
         let mut far = [[0.0_f32; BLOCK]; SIDE];
         for (w, far) in w.iter().zip(&mut far) {
@@ -205,9 +202,7 @@ impl Patch {
                 far[x] = w[x + 1].min(w[x + 2]).min(w[x + 3]);
             }
         }
-        // The mean of two inverse depths of one surface is no larger than this many times the smaller, times the ratio.
-        let crack_ratio = 0.5 * (1.0 + self.surface_ratio) * ROUNDING;
-        let mut edges = BlockEdges { pixels: [0; BLOCK], may_crack: [false; BLOCK] };
+        let mut edges = [0; BLOCK];
         for y in 0..BLOCK {
             let (mut bits, mut near) = ([0_u32; BLOCK], [0.0_f32; BLOCK]);
             for x in 0..BLOCK {
@@ -229,14 +224,10 @@ impl Patch {
                     }
                 }
             }
-            let mut cracks = [0_u32; BLOCK];
             for x in 0..BLOCK {
-                let own = w[y + RING][x + RING];
-                bits[x] |= u32::from(own < near[x] * self.surface_ratio) << x;
-                cracks[x] = u32::from(own < near[x] * crack_ratio);
+                bits[x] |= u32::from(w[y + RING][x + RING] < near[x] * self.surface_ratio) << x;
             }
-            edges.pixels[y] = joined(&bits) as u16;
-            edges.may_crack[y] = joined(&cracks) != 0;
+            edges[y] = joined(&bits) as u16;
         }
         edges
     }
@@ -248,9 +239,9 @@ impl Patch {
         if self.subpixels == 2 { CRACK_STEPS.len() } else { 1 }
     }
 
-    /// What surfaces are around the pixels of a row of the block, sixteen at a time; `may_crack` as in [`BlockEdges`].
+    /// What surfaces are around the pixels of a row of the block, sixteen at a time.
     #[inline(always)]
-    pub(super) fn edge_row(&self, y: usize, may_crack: bool) -> EdgeRow {
+    pub(super) fn edge_row(&self, y: usize) -> EdgeRow {
         let flat = self.w[y..=y + 2 * RING].as_flattened();
         let middle = RING * SIDE + RING;
         let own = beside(flat, middle, 0);
@@ -261,7 +252,7 @@ impl Patch {
             far_step: [0; BLOCK],
             beside_hole: 0,
         };
-        for (ahead, back) in &CRACK_STEPS[..if may_crack { self.crack_widths() } else { 0 }] {
+        for (ahead, back) in &CRACK_STEPS[..self.crack_widths()] {
             for (dx, dy) in CRACK_DIRECTIONS {
                 let step = dx + dy * SIDE as isize;
                 let (a, b) = (beside(flat, middle, ahead * step), beside(flat, middle, -back * step));
@@ -321,14 +312,6 @@ impl Patch {
         }
         EdgePixel::Decided(PixelSurfaces::One(own))
     }
-}
-
-/// The pixels of a block about which something is to be decided.
-pub(super) struct BlockEdges {
-    /// A mask of columns per row.
-    pub(super) pixels: [u16; BLOCK],
-    /// Whether a crack may run over any pixel of a row.
-    pub(super) may_crack: [bool; BLOCK],
 }
 
 /// What surfaces are around the pixels of a row of a block. Steps lead to a neighbor in the keys of a [`Patch`].

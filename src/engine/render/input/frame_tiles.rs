@@ -282,11 +282,14 @@ impl<'a> FrameSamples<'a> {
         self.colors[image as usize]
     }
 
-    /// The cameras of some tiles, ascending.
+    /// The cameras that recorded the samples at some slots, ascending.
     #[inline(always)]
-    pub(crate) fn cameras_of(&self, tiles: &[u32], cameras: &mut Vec<u16>) {
+    pub(crate) fn cameras_of(&self, slots: impl Iterator<Item = u32>, cameras: &mut Vec<u16>) {
         cameras.clear();
-        let seen_by = tiles.iter().map(|tile| self.index.cameras[*tile as usize]);
+        // Most neighbors are of the same tile.
+        let mut tile = u32::MAX;
+        let firsts = slots.filter(|slot| std::mem::replace(&mut tile, slot >> 8) != slot >> 8);
+        let seen_by = firsts.map(|slot| self.camera_of(slot));
         if self.set.cameras.len() > 64 {
             cameras.extend(seen_by);
             cameras.sort_unstable();

@@ -41,8 +41,6 @@ pub(crate) struct ResolveInput<'a> {
     pub(crate) background: &'a PaintedLayer,
     /// `None` to resolve the background alone.
     pub(crate) foreground: Option<&'a PaintedLayer>,
-    /// The blocks in which anything may be near the foreground.
-    pub(crate) touched: &'a BlockSet,
     /// The picture of the background alone, if it exists already.
     pub(crate) background_picture: Option<&'a Picture>,
     /// For the gather kernel: the cameras' samples of the background, and those of both layers.

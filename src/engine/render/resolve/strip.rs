@@ -25,8 +25,7 @@ impl Strip<'_> {
     pub(super) fn gather(&mut self, block: BlockOrigin, scratch: &mut GatherScratch) {
         let input = self.input;
         let Some(views) = input.views else { return };
-        let foreground = input.foreground.filter(|_| input.touched.contains(block.left / BLOCK, self.row));
-        let near = foreground.map_or([0; BLOCK], |layer| input.near_foreground(block, layer));
+        let near = input.foreground.map_or([0; BLOCK], |layer| input.near_foreground(block, layer));
         // One loop for both, because all code in it is inlined.
         for (nth, views) in views.into_iter().enumerate() {
             let among_all = nth == 1;
@@ -38,7 +37,7 @@ impl Strip<'_> {
                 self.copy(block, background);
                 continue;
             }
-            input.load(block, foreground.filter(|_| among_all), &mut scratch.patch);
+            input.load(block, input.foreground.filter(|_| among_all), &mut scratch.patch);
             scratch.gather(views, nth, &which, &mut self.rows);
         }
     }

@@ -2,9 +2,7 @@
 
 use std::ops::Range;
 
-use crate::render::geometry::{MAX_STRETCH, ProjectedRow, Projector};
-use crate::samples::TILE;
-use crate::simd::{joined, whole};
+use crate::simd::whole;
 
 /// Columns of a large footprint that are painted at once: as many keys as the widest vector holds.
 const WIDE: usize = 8;
@@ -39,23 +37,6 @@ impl BandRows {
         // What is outside may wrap: it is not used.
         let pixel = whole(y - self.top).wrapping_mul(self.width).wrapping_add(whole(x));
         (if inside { pixel } else { (i as u32).min(self.last) }, inside)
-    }
-
-    /// Whether the footprint of any sample of a row, at inverse depths `w`, may touch the band: tiles reach over several bands, and over
-    /// the rims of the picture.
-    #[inline(always)]
-    pub(super) fn may_touch(&self, projector: &Projector, row: &ProjectedRow, w: &[f32; TILE]) -> bool {
-        let mut may_touch = [0_u32; TILE];
-        for i in 0..TILE {
-            // A pixel more makes up for rounding.
-            let reach = 1.0 + (MAX_STRETCH * projector.magnification(w[i], row.reciprocal[i])).max(0.5);
-            let (u, v) = (row.u[i], row.v[i]);
-            let is_beside = (u + reach < 0.0) | (u - reach > self.right + 1.0);
-            let is_above_or_below = (v + reach < self.top) | (v - reach > self.bottom + 1.0);
-            may_touch[i] =
-                u32::from(!(is_beside | is_above_or_below) & (row.reciprocal[i] > 0.0) & (w[i] >= 0.0));
-        }
-        joined(&may_touch) != 0
     }
 
     /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives, [`WIDE`] columns at a

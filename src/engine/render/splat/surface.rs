@@ -204,9 +204,6 @@ impl Splat for PlaneSplat {
     #[inline(always)]
     fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
         let (w, projected) = (row.tile.row(row.nth), &row.projected);
-        if !self.pixels.may_touch(row.projector, projected, w) {
-            return;
-        }
         let slopes = slopes(row.tile, row.nth, row.per_footprint);
         let found = footprints(row.projector, projected, w, &slopes);
         // First and last column and row whose centers the footprint covers: up to three unless it is large.
