@@ -173,7 +173,7 @@ impl CpuRenderer {
             let (picture, stats) = self.render(&view.samples, &view.vantage, settings, job)?;
             return Ok((Arc::new(view.finish(&picture)), stats));
         }
-        // A stage that begins on a thread of the pool need not wake another one first, nor wait for it to fall asleep.
+        // From a thread of the pool a stage begins at once; from any other it wakes one and waits for it.
         rayon::scope(|_| self.render_in_pool(samples, vantage, settings, job))
     }
 
