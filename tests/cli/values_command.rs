@@ -237,7 +237,12 @@ fn edits_by_value_act_on_captures_and_stores_and_mistakes_are_one_line() {
         let values: Vec<f32> = kept.images.iter().flat_map(|image| image.values.channel(0)).collect();
         assert!(values.len() > 300 && !values.iter().any(|value| *value <= 0.5), "{store}");
     }
-    let mistakes: [(&[&str], &str); 4] = [
+    let page = ["export", "page", "scene.ovl", "--out", "e.html", "--color-by", "z/m", "--transparent"];
+    let video = ["export", "video", "scene.ovl", "--path", "path.json", "--out", "e.mp4"];
+    let video = [&video[..], &["--color-by", "z/m", "--transparent"]].concat();
+    let mistakes: [(&[&str], &str); 6] = [
+        (&page, "no transparent pixels"),
+        (&video, "no transparent pixels"),
         (&["edit", "scene.ovl", "--edits", "wrong.toml", "--out", "e.ovl"], "there are z/m, z:m"),
         (
             &["export", "pictures", "scene.ovl", "--path", "path.json", "--out", "e", "--color-by", "p"],

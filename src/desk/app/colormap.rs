@@ -47,10 +47,14 @@ pub(crate) fn text_on(background: Color32) -> Color32 {
     if 0.2126 * r + 0.7152 * g + 0.0722 * b > 110.0 { Color32::BLACK } else { Color32::WHITE }
 }
 
+/// An 8-bit sRGB color.
+pub(crate) fn opaque([red, green, blue]: [u8; 3]) -> Color32 {
+    Color32::from_rgb(red, green, blue)
+}
+
 /// A recorded linear color as a display shows it.
 pub(crate) fn recorded(linear: [half::f16; 3]) -> Color32 {
-    let [r, g, b] = linear.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8);
-    Color32::from_rgb(r, g, b)
+    opaque(linear.map(|c| steps_from_linear(c).clamp(0.0, 255.0).round() as u8))
 }
 
 /// `over` laid over `under` with the given opacity, 0 to 1, in display space.

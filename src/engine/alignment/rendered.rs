@@ -12,9 +12,10 @@ use super::surface_samples::has_exact_depth;
 
 /// The share of the pairs of cameras that have to agree, so that one wrong pose does not hide that the others are exact.
 const AGREEING_PAIRS: f64 = 0.25;
-/// A pose that pays and is off by this much is wrong where the distances of surfaces fall to this share: drawing that goes with the camera
-/// moves what exact views show by less, footprints, and lights that do so leave distances as they are.
+/// A pose that pays and is off by this much is wrong: drawing that goes with the camera moves what exact views show by less, footprints.
 const FAR_OFF_FOOTPRINTS: f64 = 2.0;
+/// It has to bring surfaces this much nearer to each other, as a share of their distances: a light that goes with the camera changes colors
+/// alone.
 const FAR_OFF_FALL: f64 = 0.75;
 /// How far apart the surfaces of two exact views are at most, by the median, footprints.
 const EXACT_FOOTPRINTS: f64 = 0.3;

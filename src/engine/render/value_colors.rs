@@ -72,9 +72,13 @@ impl ValueColors {
     /// Whether a value is shown as a missing one.
     #[must_use]
     pub fn is_missing(&self, value: f32) -> bool {
+        self.shown_share(value).is_none()
+    }
+
+    /// As [`ValueColors::share_of`], of values that are shown: without a logarithm no color would be true.
+    fn shown_share(&self, value: f32) -> Option<f64> {
         let is_shown = self.isolated.is_none_or(|[low, high]| (low..=high).contains(&value));
-        // Without a logarithm no color would be true.
-        value.is_nan() || !is_shown || self.share_of(value).is_none()
+        if value.is_nan() || !is_shown { None } else { self.share_of(value) }
     }
 
     /// Between which values colors run.
@@ -128,9 +132,7 @@ impl ValueColors {
     /// The color of a value, 8-bit sRGB. Beyond the range it is that of its end.
     #[must_use]
     pub fn color(&self, value: f32) -> [u8; 3] {
-        let Some(share) = self.share_of(value).filter(|_| !self.is_missing(value)) else {
-            return MISSING_COLOR;
-        };
+        let Some(share) = self.shown_share(value) else { return MISSING_COLOR };
         let Color { r, g, b } = match gradient(self.map) {
             Some(gradient) => gradient.eval_continuous(share),
             None => category(value),

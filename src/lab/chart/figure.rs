@@ -96,7 +96,7 @@ impl Figure {
         for text in names.chain(titles).chain([&self.caption]) {
             if let Some(letter) = missing_letter(text) {
                 let what = format!(
-                    "the typeface of figures has no letter '{letter}' (U+{:04X}), which stands in '{text}'",
+                    "the typeface of figures has no letter '{letter}' (U+{:04X}), which stands in '{text}'; write it otherwise, or leave out the legend",
                     u32::from(letter)
                 );
                 return Err(Error::invalid("figure", what));

@@ -33,7 +33,7 @@ pub(crate) struct ValueArgs {
     /// Show the values between these two numbers alone; all others are gray.
     #[arg(long, value_name = "LOW,HIGH", requires = "color_by", allow_hyphen_values = true)]
     isolate: Option<ValueRange>,
-    /// Pictures are transparent where nothing has a value, instead of gray.
+    /// Pictures are transparent where nothing has a value, or none that is shown, instead of gray.
     #[arg(long, requires = "color_by")]
     transparent: bool,
 }
@@ -104,6 +104,12 @@ impl ValueArgs {
     /// `Invalid` where there is no channel of the name.
     pub(crate) fn channel(&self, channels: &[ValueChannel], place: &str) -> Result<Option<usize>> {
         self.color_by.as_ref().map(|name| ValueChannel::named(channels, name, place)).transpose()
+    }
+
+    /// Refuses transparency of what cannot have it.
+    pub(crate) fn refuse_transparent(&self, of: &str) -> Result<()> {
+        let what = format!("{of} has no transparent pixels; leave it out");
+        if self.transparent { Err(Error::invalid("--transparent", what)) } else { Ok(()) }
     }
 
     /// A channel as it is shown, given the values in view, ascending.

@@ -60,9 +60,12 @@ impl PictureValues {
         let values: Vec<f32> = self.values.channel(channel).collect();
         let value_at = |x: usize, y: usize| values.get(y * width + x).copied().unwrap_or(MISSING_VALUE);
         let color = Grid::from_fn(width, height, |x, y| {
-            let is_shown = picture.alpha((x, y)) > 0.0;
-            let shown = || colors.linear_color_at(value_at(x, y), picture.inverse_depth[(x, y)]);
-            if is_shown { shown() } else { [0.0; 3] }
+            let inverse_depth = picture.inverse_depth[(x, y)];
+            if picture.alpha((x, y)) > 0.0 {
+                colors.linear_color_at(value_at(x, y), inverse_depth)
+            } else {
+                [0.0; 3]
+            }
         });
         let mut colored = Picture { color, ..picture.clone() };
         if colors.leaves_out_missing() {

@@ -47,6 +47,7 @@ pub(crate) struct PageArgs {
 impl PageArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.from.check_out(&self.out, Some("scene.html"))?;
+        self.values.values.refuse_transparent("a page")?;
         if let Some(path) = &self.path {
             output::refuse_view_files(path, &self.out)?;
         }

@@ -389,6 +389,7 @@ pub(super) fn frames_per_second(text: &str) -> Result<f64, String> {
 impl VideoArgs {
     pub(crate) fn run(self) -> Result<(), CommandError> {
         self.film.from.check_out(&self.out, Some("video.mp4"))?;
+        self.film.values.values.refuse_transparent("a video")?;
         let film = self.film.plan(self.fps)?;
         self.film.refuse_inputs(&self.out)?;
         let frames = counted(film.stops.numbers.len(), "frame");

@@ -8,7 +8,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::app::camera_cues;
-use crate::app::colormap::{agreeing, dimmed, diverging, mix};
+use crate::app::colormap::{agreeing, dimmed, diverging, mix, opaque};
 use crate::app::model::Message;
 use crate::app::model::look::Display;
 use crate::app::model::picture::{
@@ -131,8 +131,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 _ if !is_filled => pattern,
                 (HoleDisplay::Hatched, _) => mix(own, pattern, HATCHING[nth]),
                 (HoleDisplay::Filled, ColorBy::Picture) => own,
-                // These colors describe samples, and this pixel has none.
-                // One color, so that figures have one background.
+                // These colors describe samples, and this pixel has none: one color, so that figures have one background.
                 (_, ColorBy::Value) if values.is_some() => opaque(BACKGROUND_COLOR),
                 _ => dimmed(own, DIMMED),
             };
@@ -167,10 +166,6 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let rows = colors.par_chunks_mut(width.max(1)).enumerate();
     rows.for_each(|(y, row)| row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = color(x, y)));
     Grid::from_vec(width, height, colors)
-}
-
-fn opaque([red, green, blue]: [u8; 3]) -> Color32 {
-    Color32::from_rgb(red, green, blue)
 }
 
 /// One value of each pixel, and its colors.

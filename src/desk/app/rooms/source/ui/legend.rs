@@ -2,7 +2,7 @@
 
 use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
-use crate::app::colormap::{dimmed, diverging, sequential};
+use crate::app::colormap::{dimmed, diverging, opaque, sequential};
 use crate::app::model::command::SourceCommand;
 use crate::app::model::look::titled_value;
 use crate::app::model::picture::{
@@ -272,7 +272,6 @@ fn value_ui(ui: &mut Ui, state: &State) {
     };
     let [low, high] = colors.range().map(|end| model::significant(f64::from(end)));
     let low = format!("{} {low}", titled_value(channel));
-    let opaque = |[r, g, b]: [u8; 3]| Color32::from_rgb(r, g, b);
     bar_ui(ui, &low, &high, |share| opaque(colors.color(colors.value_at(share))));
     swatch_ui(ui, opaque(MISSING_COLOR), "no value");
     swatch_ui(ui, opaque(BACKGROUND_COLOR), "background");
