@@ -91,6 +91,8 @@ pub mod common {
     pub const RAY_TEST: &str = include_str!("common/ray_test.wgsl");
     /// The piece `reproject`.
     pub const REPROJECT: &str = include_str!("common/reproject.wgsl");
+    /// The piece `round`.
+    pub const ROUND: &str = include_str!("common/round.wgsl");
     /// The piece `samples`.
     pub const SAMPLES: &str = include_str!("common/samples.wgsl");
     /// The piece `sky_grids`.

@@ -65,13 +65,16 @@ fn behind(distances: array<f32, 8>, depths: array<f32, 8>, limit: f32) -> vec2<f
     return select(found, nearest, found.y >= NONE);
 }
 
-fn surface_behind(set_of: u32, at: vec2<u32>, limit: f32) -> HoleSurface {
-    var seen = neighbors_of(set_of, at);
+fn surface_behind(all_seen: HoleNeighbors, limit: f32, covering: u32) -> HoleSurface {
+    var seen = all_seen;
     var w: array<f32, 8>;
     for (var direction = 0u; direction < 8u; direction++) {
         w[direction] = select(0.0, depth_at(seen.pixel[direction]), seen.distance[direction] < NONE);
     }
-    let chosen = behind(seen.distance, w, limit);
+    var chosen = behind(seen.distance, w, limit);
+    if covering < NO_DIRECTION {
+        chosen = vec2<f32>(w[covering], seen.distance[covering]);
+    }
     let far = chosen.x;
     var surface: HoleSurface;
     var mean: WeightedMean;
@@ -168,12 +171,14 @@ fn fill(@builtin(global_invocation_id) at: vec3<u32>) {
     var share = NOT_FILLED;
     if hole < 0.0 {
         let set_of = select(ALL_SOURCES, SURFACE_SOURCES, hole < HOLE);
-        let surface = surface_behind(set_of, at.xy, hidden_surface_limit(hole));
+        let seen = neighbors_of(set_of, at.xy);
+        let votes = votes_of_round_things(set_of, at.xy, seen);
+        let surface = surface_behind(seen, hidden_surface_limit(hole), votes.covering);
         let filling = push(set_of, at.xy, surface);
         if filling.weight > 0.0 {
             share = 0.0;
             if knows_sky() && hole < HOLE {
-                share = sky_share(hole, planes[hidden_share_at(pixel)]);
+                share = sky_share_by(votes, sky_share(hole, planes[hidden_share_at(pixel)]));
             }
             set_color(pixel, filling.color);
             set_depth(pixel, filling.inverse_depth);

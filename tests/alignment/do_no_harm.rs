@@ -57,6 +57,19 @@ fn scenes_that_are_exact_by_their_depth_are_left_alone_under_a_light_that_moves_
 }
 
 #[test]
+fn points_of_one_size_in_all_pictures_are_left_alone_though_they_lie_elsewhere_for_each_camera() {
+    for seed in 0..8 {
+        let mut scene = ExactScene::random(seed, false).of_points(seed);
+        for is_rendered in [Some(true), None] {
+            scene.is_rendered = is_rendered;
+            let corrected = aligned(&scene.record(scene.cameras.clone())).alignment;
+            let corrected = corrected.map(|found| found.sentences()).unwrap_or_default();
+            assert!(corrected.is_empty(), "scene {seed}: {corrected:?}");
+        }
+    }
+}
+
+#[test]
 #[ignore = "takes a minute"]
 fn two_hundred_exact_scenes_are_left_alone() {
     let harm = harm(0..200);

@@ -68,6 +68,8 @@ pub(crate) struct ExactScene {
     lamp: DVec3,
     /// Whether the lamp moves with the cameras instead.
     has_headlight: bool,
+    /// Radius of all balls in each picture instead of their own, pixels.
+    radius_px: Option<f64>,
     /// Color is averaged over so many rays a side of each pixel.
     color_rays: usize,
     /// Relative standard deviations.
@@ -129,6 +131,7 @@ impl ExactScene {
             background,
             lamp,
             has_headlight: false,
+            radius_px: None,
             color_rays,
             noise,
             cameras,
@@ -141,6 +144,19 @@ impl ExactScene {
     /// The scene without textures under a light that moves with the cameras, as visualization programs have it.
     pub(crate) fn under_a_headlight(self) -> Self {
         Self { look: Look::Shaded, has_headlight: true, ..self }
+    }
+
+    /// Many balls of one size in each picture, as visualization programs draw points, before a gray background.
+    pub(crate) fn of_points(self, seed: u64) -> Self {
+        let mut draws = Draws(seed ^ 0x2545_f491);
+        let draws = &mut draws;
+        let ball = |_| Ball {
+            center: DVec3::Z * 0.9 + between(draws, 0.1, 0.9) * direction(draws),
+            radius: 0.0,
+            albedo: DVec3::new(between(draws, 0.1, 0.9), between(draws, 0.1, 0.9), between(draws, 0.1, 0.9)),
+        };
+        let balls = (0..80).map(ball).collect();
+        Self { balls, look: Look::Shaded, background: Background::Cut(0.5), radius_px: Some(5.0), ..self }
     }
 
     /// What is recorded of the scene, by cameras that claim to be `claimed`.
@@ -159,16 +175,22 @@ impl ExactScene {
     }
 
     /// Nearest hit along a ray: its factor, and the color.
-    fn hit(&self, eye: DVec3, ray: DVec3) -> Option<(f64, DVec3)> {
+    fn hit(&self, camera: &Camera, ray: DVec3) -> Option<(f64, DVec3)> {
+        let eye = camera.position_in_world();
         let mut nearest: Option<(f64, DVec3)> = None;
         for ball in &self.balls {
             let to = eye - ball.center;
+            let radius_of = |pixels: f64| {
+                pixels * (camera.world_from_camera.inverse().transform_point3(ball.center)).z.abs()
+                    / camera.intrinsics.fx
+            };
+            let radius = self.radius_px.map_or(ball.radius, radius_of);
             let (a, b) = (ray.length_squared(), ray.dot(to));
-            let discriminant = b * b - a * (to.length_squared() - ball.radius * ball.radius);
+            let discriminant = b * b - a * (to.length_squared() - radius * radius);
             let t = (-b - discriminant.max(0.0).sqrt()) / a;
             if discriminant > 0.0 && t > 0.0 && nearest.is_none_or(|(nearest, _)| t < nearest) {
                 let point = eye + ray * t;
-                nearest = Some((t, self.color(eye, point, (point - ball.center) / ball.radius, ball.albedo)));
+                nearest = Some((t, self.color(eye, point, (point - ball.center) / radius, ball.albedo)));
             }
         }
         let t = -eye.z / ray.z;
@@ -208,7 +230,7 @@ impl ExactScene {
         for nth in 0..side * side {
             let offset = (DVec2::new((nth % side) as f64, (nth / side) as f64) + 0.5) / side as f64;
             let ray = camera.world_from_camera.matrix3 * camera.intrinsics.ray_in_camera(corner + offset);
-            sum += self.hit(camera.position_in_world(), ray).map_or(self.behind(), |(_, color)| color);
+            sum += self.hit(camera, ray).map_or(self.behind(), |(_, color)| color);
         }
         sum / (side * side) as f64
     }
@@ -227,7 +249,7 @@ impl FrameSource for ExactScene {
         });
         let inverse_depth = Grid::from_fn(width, height, |x, y| {
             let ray = camera.intrinsics.ray_in_camera(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
-            let hit = self.hit(camera.position_in_world(), camera.world_from_camera.matrix3 * ray);
+            let hit = self.hit(camera, camera.world_from_camera.matrix3 * ray);
             let none = if self.background == Background::Sky { 0.0 } else { INVALID_INVERSE_DEPTH };
             hit.map_or(none, |(t, _)| (1.0 / (t * (1.0 + self.noise.depth * draw(x, y, 2)))) as f32)
         });

@@ -104,7 +104,7 @@ impl FoundOfCameras {
             poses = poses::align_poses(problem, job)?;
         }
         if asked.is_left(settings.poses) {
-            let doubtful = doubtful_poses(&mut poses);
+            let doubtful = doubtful_poses(problem, &mut poses);
             let claimed: Vec<_> = seen.cameras.iter().map(|camera| camera.world_from_camera).collect();
             problem.put_back(&claimed, |camera| doubtful.contains(&camera));
             measured.extend(doubtful.iter().map(|camera| {

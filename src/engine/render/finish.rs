@@ -74,27 +74,27 @@ impl Finisher {
         clock: &mut StageClock,
     ) -> Result<()> {
         let camera = &vantage.camera;
-        let (mut environment, mut blended) = (None, Vec::new());
+        let mut planes = std::mem::take(&mut self.planes);
         let images = tests_free_space(settings).then(|| FrameImages::at(samples, vantage.frame));
-        if let Some(images) = images.filter(|images| has_sky(samples, images.all())) {
-            let mut planes = std::mem::take(&mut self.planes);
-            let seen = self.see(samples, vantage, images)?;
-            environment.clone_from(&seen.environment);
-            if environment.is_some() {
-                let test = RayTest::new(&seen.depths, &samples.cameras, camera);
-                let tolerance = 1.0 + (settings.depth_tolerance + 1.0) / focal(camera);
-                blended = mark_holes(picture, fronts, &test, tolerance, &mut planes);
-            }
-            self.planes = planes;
+        let images = images.filter(|images| has_sky(samples, images.all()));
+        let seen = images.map(|images| self.see(samples, vantage, images)).transpose()?;
+        let seen = seen.filter(|seen| seen.environment.is_some());
+        let test = seen.map(|seen| RayTest::new(&seen.depths, &samples.cameras, camera));
+        let mut blended = Vec::new();
+        if let Some(test) = &test {
+            let tolerance = 1.0 + (settings.depth_tolerance + 1.0) / focal(camera);
+            blended = mark_holes(picture, fronts, test, tolerance, &mut planes);
         }
         clock.end(Stage::FreeSpace);
         let tested = TestedHoles {
-            environment: environment.as_deref(),
+            environment: seen.and_then(|seen| seen.environment.as_deref()),
             blended: &blended,
-            hidden_share: &self.planes.hidden_share,
+            hidden_share: &planes.hidden_share,
+            test: test.as_ref(),
         };
         fill_tested(picture, camera, settings, tested);
         clock.end(Stage::Fill);
+        self.planes = planes;
         Ok(())
     }
 

@@ -40,8 +40,8 @@ const NOT_CHANCE: f64 = 0.15;
 const UNIT_DECIDES: f64 = 1.4;
 const LENS_DECIDES: f64 = 1.8;
 /// Depth is exact where other views contradict at most this share of the points about which they say anything, at this tolerance as a share
-/// of depth. Then the lens that it was carried through is right, whatever pictures show: under lights that move with the cameras, patches of
-/// smooth surfaces meet look-alikes that correlate by up to 0.62.
+/// of depth. Then the unit and the lens that it was carried through are right, whatever pictures show: under lights that move with the
+/// cameras, patches of smooth surfaces meet look-alikes that correlate by up to 0.62.
 const MOST_CONTRADICTED: f64 = 0.01;
 const EXACT_TOLERANCE: f64 = 0.002;
 /// Both have to fit better by this much, and by this many standard errors of the pairs: some pairs see nothing in common.
@@ -77,10 +77,8 @@ pub(super) fn refined(finding: Finding, comparison: &Comparison, frames: &[Arc<F
     let votes = comparison.votes(&claimed, POINTS, EXACT_TOLERANCE);
     let is_exact = votes.contradict as f64 <= MOST_CONTRADICTED * (votes.agree + votes.contradict) as f64;
     let by_depth = |reading: &Reading| comparison.score(reading, POINTS, NARROW);
-    // Depth that nothing contradicts by chance, as where few points meet, is as exact under the other lens.
-    let is_refuted = |reading: &Reading| {
-        reading.lens != claimed.lens && is_exact && by_depth(reading) < by_depth(&claimed)
-    };
+    // Depth that nothing contradicts by chance, as where few points meet, is as exact under the other reading.
+    let is_refuted = |reading: &Reading| is_exact && by_depth(reading) < by_depth(&claimed);
     let is_believed = |reading: &Reading| {
         let found = pictures.correlations(reading, ALL);
         let decides = if reading.lens == claimed.lens { UNIT_DECIDES } else { LENS_DECIDES };

@@ -33,18 +33,20 @@
 mod around;
 mod pyramid;
 mod rays;
+mod round;
 mod surface;
 
 use rayon::prelude::*;
 
 use super::environment::{Environment, PixelDirections};
-use super::free_space::{HOLE, HolePlace, OPEN_HOLE, SKY_HOLE, hidden_surface_limit, sky_share};
+use super::free_space::{HOLE, HolePlace, OPEN_HOLE, RayTest, SKY_HOLE, hidden_surface_limit, sky_share};
 use super::vantage::{NO_IMAGE, Picture, pixels_around};
 use crate::capture::Camera;
 use crate::settings::{Fill, RenderSettings};
 use around::{Filling, FillingsAround};
 use pyramid::Pyramid;
-use rays::HoleRays;
+use rays::{HoleNeighbors, HoleRays};
+use round::{RoundThings, RoundVotes};
 use surface::{SurfaceTolerance, surface_behind};
 
 /// Surfaces that face each other across a hole in more of the four directions go on through it.
@@ -65,6 +67,8 @@ pub(super) struct TestedHoles<'a> {
     pub(super) blended: &'a [usize],
     /// Per pixel, the share of its line of sight that is hidden: the more of it, the less of the sky is shown.
     pub(super) hidden_share: &'a [f32],
+    /// What cameras know of lines of sight, where any saw the sky.
+    pub(super) test: Option<&'a RayTest<'a>>,
 }
 
 /// As [`fill`], but with the sky where holes show it. Where they hide a surface, colors that may be blended with the sky are not used.
@@ -95,7 +99,7 @@ pub(super) fn fill_tested(
 
 /// Fills all holes as [`fill_tested`] does, as if none were shown in part.
 fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings, tested: TestedHoles<'_>) {
-    let TestedHoles { environment, blended, hidden_share } = tested;
+    let TestedHoles { environment, blended, hidden_share, .. } = tested;
     let size = picture.image.size();
     let width = size.0;
     if let Some(environment) = environment {
@@ -109,9 +113,11 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
     let tolerance = SurfaceTolerance::new(target, settings);
     let any_depth = |holds: &(dyn Fn(&f32) -> bool + Sync)| depths.par_iter().with_min_len(4096).any(holds);
     let all = any_depth(&|depth| is_unfilled(depth) && !hides_surface(depth));
-    let all = all.then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[]));
+    let viewpoint = tested.test.map(|_| target);
+    let all = all.then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[], viewpoint));
     let surfaces = any_depth(&hides_surface);
-    let surfaces = surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0, blended));
+    let surfaces =
+        surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0, blended, viewpoint));
     let images = picture.image.as_slice();
     let is_sky = |pixel: usize| depths[pixel] == 0.0 && images[pixel] == NO_IMAGE;
     let fill_row = |(y, row): (usize, &[f32])| -> Vec<Filling> {
@@ -122,11 +128,12 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
             let sources = if hides_surface(&row[x]) { surfaces.as_ref() } else { all.as_ref() }?;
             let limit = hidden_surface_limit(row[x]);
             let seen = sources.rays.neighbors((x, y));
-            let surface = surface_behind(depths, &seen, limit, tolerance);
+            let votes = sources.votes(depths, (x, y), &seen, tested.test);
+            let surface = surface_behind(depths, &seen, limit, votes.covering, tolerance);
             let pushed = sources.pyramid.push((x, y), surface.as_ref(), tolerance);
             let filling = pushed.or_else(|| Some(surface.as_ref()?.mean(picture, &seen)))?;
             let sky_share = sky.as_ref().map_or(0.0, |sky| sky.share(y * width + x, row[x]));
-            Some(Filling { x, surface: Some(filling), sky_share })
+            Some(Filling { x, surface: Some(filling), sky_share: votes.sky_share(sky_share) })
         };
         let is_filled = |x: &usize| is_unfilled(&row[*x]) || is_sky(y * width + x);
         (0..width).filter(is_filled).filter_map(fill_pixel).collect()
@@ -203,15 +210,19 @@ impl<'a> HoleSky<'a> {
 struct FillSources {
     pyramid: Pyramid,
     rays: HoleRays,
+    /// Where there is a sky, seen in perspective.
+    round: Option<RoundThings>,
 }
 
 impl FillSources {
-    /// The pixels of a picture whose inverse depth `counts`, without some, if any others are left.
+    /// The pixels of a picture whose inverse depth `counts`, without some, if any others are left. Round things go on as seen from a
+    /// `viewpoint`, if one is given.
     fn new(
         picture: &Picture,
         tolerance: SurfaceTolerance,
         counts: impl Fn(f32) -> bool + Sync,
         without: &[usize],
+        viewpoint: Option<&Camera>,
     ) -> Self {
         let mut sources = sources_where(picture, counts);
         let left_out: Vec<usize> =
@@ -225,7 +236,27 @@ impl FillSources {
             || Pyramid::pull(picture, &sources, tolerance),
             || HoleRays::cast(&sources, picture.image.size()),
         );
-        Self { pyramid, rays }
+        let depths = picture.inverse_depth.as_slice();
+        let viewpoint = viewpoint.filter(|target| !target.intrinsics.is_orthographic());
+        let round = viewpoint.map(|target| RoundThings::new(depths, &sources, target, tolerance));
+        Self { pyramid, rays, round }
+    }
+}
+
+impl FillSources {
+    /// What round things say of a pixel of a hole that sees `seen`; nothing where there are none.
+    fn votes(
+        &self,
+        depths: &[f32],
+        (x, y): (usize, usize),
+        seen: &HoleNeighbors,
+        test: Option<&RayTest<'_>>,
+    ) -> RoundVotes {
+        let Some(round) = &self.round else { return RoundVotes::default() };
+        let at = (x as f32, y as f32);
+        let is_seen_through =
+            |[near, far]: [f32; 2]| test.is_some_and(|test| test.sees_through(at, near, far));
+        round.votes(depths, (x, y), seen, is_seen_through)
     }
 }
 

@@ -73,13 +73,15 @@ impl WeightedMean {
     }
 }
 
-/// The farthest surface across the hole where it is narrow that is no farther than inverse depth `limit`, if there is one, else the
-/// nearest; `None` if the pixel sees nothing painted. `depths` are the inverse depths of the picture.
+/// The surface in the direction that is `covering` the pixel, if one is; else the farthest surface across the hole where it is narrow that
+/// is no farther than inverse depth `limit`, if there is one, else the nearest; `None` if the pixel sees nothing painted. `depths` are the
+/// inverse depths of the picture.
 #[inline]
 pub(super) fn surface_behind(
     depths: &[f32],
     seen: &HoleNeighbors,
     limit: f32,
+    covering: Option<usize>,
     tolerance: SurfaceTolerance,
 ) -> Option<HoleSurface> {
     let HoleNeighbors { pixel, distance_px } = seen;
@@ -111,6 +113,9 @@ pub(super) fn surface_behind(
     let mut far_px = f32::INFINITY;
     for direction in 0..8 {
         far_px = far_px.min(if counted[direction] == far { distance_px[direction] } else { f32::INFINITY });
+    }
+    if let Some(direction) = covering {
+        (far, far_px) = (inverse_depth[direction], distance_px[direction]);
     }
     if far == f32::INFINITY {
         (far, far_px) = nearest_of(&inverse_depth, distance_px)?;

@@ -116,6 +116,13 @@ impl<'a> RayTest<'a> {
         if free == u64::MAX >> (64 - DEPTHS) { LineOfSight::Free } else { LineOfSight::Unseen }
     }
 
+    /// Whether any camera saw through the line of sight of pixel `(x, y)` somewhere between the inverse depths `near` and `far`.
+    pub(crate) fn sees_through(&self, (x, y): (f32, f32), near: f32, far: f32) -> bool {
+        let step = (near - far) / LANES as f32;
+        let w = std::array::from_fn(|i| near - step * (i as f32 + 0.5));
+        self.views.iter().any(|view| Self::look(view, (x, y), &w)[0] != 0)
+    }
+
     /// At which of some inverse depths a camera saw the pixel's line of sight free, and at which it saw something in front of it:
     /// one bit each.
     #[inline(always)]

@@ -60,7 +60,10 @@ pub(super) const FINISH: [Shader; 14] = [
     shader!("open_sky", OPEN_SKY: FINISH HOLE_RAYS SOURCES),
     shader!("kinds", KINDS: FINISH TALLY),
     shader!("pull", PULL: FINISH HOLE_RAYS PYRAMID SOURCES),
-    shader!("fill", FILL: FINISH SKY_GRIDS ENVIRONMENT HOLE_RAYS FILLINGS PYRAMID),
+    shader!(
+        "fill",
+        FILL: PROJECT CELL_VIEW FINISH SKY_GRIDS ENVIRONMENT HOLE_RAYS SOURCES RAY_TEST ROUND FILLINGS PYRAMID
+    ),
     shader!("around", AROUND: FINISH SKY_GRIDS ENVIRONMENT HOLE_RAYS FILLINGS),
     shader!("put_over", PUT_OVER: FINISH),
 ];
