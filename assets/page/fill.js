@@ -9,6 +9,7 @@
 
 import { DECODE } from "./shaders.js";
 import { PIXEL_CODE, PRECISE } from "./gather.js";
+import { ROUND } from "./round.js";
 
 /** Levels that holes are filled from, at most: holes of that many doublings of a pixel. */
 export const MOST_LEVELS = 10;
@@ -99,7 +100,8 @@ const uint FILLED = 1u;
 const uint ONLY_SKY = 2u;
 `;
 
-export const FILL = `${PRECISE}
+/** Where cameras tell what they saw, round things go on. */
+export const FILL = (cameras_tell) => `${PRECISE}
 out uvec4 filling;
 uniform int level_count;
 ${PICTURE}
@@ -122,6 +124,8 @@ const ivec2 DIRECTIONS[8] = ivec2[8](
 float distances[8];
 float depths[8];
 vec3 colors[8];
+int counts[8];
+${cameras_tell ? ROUND : ""}
 
 /** Looks in eight directions for what a hole is filled from; whether it is open to the sky. */
 bool look_around(ivec2 from, bool takes_all) {
@@ -147,6 +151,7 @@ bool look_around(ivec2 from, bool takes_all) {
         sees_sky = sees_sky || w == 0.0 || w == SKY_HOLE;
       }
       if (w < 0.0 && !(takes_all && w == SKY_HOLE) || w == 0.0 && has_sky && !takes_all) continue;
+      counts[direction] = count;
       distances[direction] = float(count) * (step.x != 0 && step.y != 0 ? 1.41421356 : 1.0);
       depths[direction] = max(w, 0.0);
       colors[direction] = unpack(code).color;
@@ -220,6 +225,8 @@ void main() {
   bool is_open = pixel.w != SKY_HOLE && look_around(at, pixel.w == HOLE);
   float limit = pixel.w > OPEN_HOLE && pixel.w < HOLE ? HOLE - pixel.w : 0.0;
   vec2 chosen = pixel.w == SKY_HOLE ? vec2(0.0, NONE) : surface_behind(limit);
+  ${cameras_tell ? "ivec4 votes = pixel.w == SKY_HOLE ? ivec4(0, 0, 0, -1) : votes_at(at);" : ""}
+  ${cameras_tell ? "if (votes.w >= 0) chosen = vec2(depths[votes.w], distances[votes.w]);" : ""}
   if (chosen.y < NONE && (chosen.x > 0.0 || !has_sky)) {
     vec2 range = vec2(chosen.x);
     float reach = 0.0;
@@ -237,7 +244,9 @@ void main() {
     vec4 color;
     if (push(at, range, reach, color) <= 0.0) color = mean / weight;
     float hidden = unpackHalf2x16(pixel.kind).y;
-    result = Pixel(color.rgb, has_sky ? sky_share(pixel.w, hidden, is_open) : 0.0, color.a, FILLED);
+    float share = has_sky ? sky_share(pixel.w, hidden, is_open) : 0.0;
+    ${cameras_tell ? "share = sky_share_by(votes, share);" : ""}
+    result = Pixel(color.rgb, share, color.a, FILLED);
   }
   filling = pack(result);
 }

@@ -8,14 +8,15 @@ pub const TEMPLATE: &str = include_str!("template.html");
 /// How it looks.
 pub const STYLE: &str = include_str!("style.css");
 /// The modules of the script by their names, each after those that it imports.
-pub const MODULES: [(&str, &str); 15] = [
+pub const MODULES: [(&str, &str); 16] = [
     ("math.js", include_str!("math.js")),
     ("decode.js", include_str!("decode.js")),
     ("decoders.js", include_str!("decoders.js")),
     ("shaders.js", include_str!("shaders.js")),
     ("gather.js", include_str!("gather.js")),
-    ("fill.js", include_str!("fill.js")),
     ("sky.js", include_str!("sky.js")),
+    ("round.js", include_str!("round.js")),
+    ("fill.js", include_str!("fill.js")),
     ("canvas.js", include_str!("canvas.js")),
     ("seen.js", include_str!("seen.js")),
     ("renderer.js", include_str!("renderer.js")),

@@ -22,7 +22,8 @@ const [SAMPLES_AT_A_TIME, PIXELS_AT_A_TIME] = [200000, 100000];
 const PROGRAMS = {
   surface: [SURFACE_VERTEX, SURFACE_FRAGMENT], seen: [SEEN_VERTEX, SEEN_FRAGMENT], cell: [CELL_VERTEX, CELL_FRAGMENT],
   nearest: NEAREST, silhouette1: SILHOUETTE(1), gather1: GATHER(1), silhouette2: SILHOUETTE(2), gather2: GATHER(2),
-  free: FREE, squares: SQUARES, around: AROUND, lines: LINES, mark: MARK, pull: PULL, fill: FILL, rows: ROWS, show: SHOW,
+  free: FREE, squares: SQUARES, around: AROUND, lines: LINES, mark: MARK, pull: PULL, rows: ROWS, show: SHOW,
+  fill: FILL(false), fill_round: FILL(true),
 };
 
 export class Renderer {
@@ -225,9 +226,9 @@ export class Renderer {
   }
 
   /** What fills holes. */
-  *fill({ lens }) {
-    const [pull, fill, rows] = ["pull", "fill", "rows"].map((name) => this.stage(name));
-    const { targets } = this;
+  *fill({ pose, lens, isFinal }) {
+    const [pull, rows] = ["pull", "rows"].map((name) => this.stage(name));
+    const { targets, freeSpace } = this;
     const numbers = { has_sky: Boolean(this.sky), footprints: this.scene.depth_tolerance, focal: Math.sqrt(lens[2] * lens[3]), levels: targets.places };
     const marked = this.marked();
     targets.places.forEach(([x, y, width, height], nth) => {
@@ -237,7 +238,14 @@ export class Renderer {
       this.canvas.over(to, [x, y, width, height]);
     });
     const textures = { marked, odd_levels: targets.odd.texture, even_levels: targets.even.texture };
-    yield* this.inBands(targets.fillings, lens, () => fill.use(textures, { ...numbers, level_count: targets.places.length }));
+    Object.assign(numbers, { level_count: targets.places.length });
+    // In motion what is invented may be simpler.
+    if (freeSpace && isFinal) {
+      Object.assign(textures, { asked: freeSpace.asked(pose, lens), free: freeSpace.free });
+      Object.assign(numbers, this.seen.lines(pose, lens), { asked_count: freeSpace.cameras.length });
+    }
+    const fill = this.stage(freeSpace && isFinal ? "fill_round" : "fill");
+    yield* this.inBands(targets.fillings, lens, () => fill.use(textures, numbers));
     yield* this.inBands(targets.sums, lens, () => rows.use({ fillings: targets.fillings.texture }));
   }
 

@@ -116,7 +116,7 @@ vec2 range_at(ivec2 at) {
 }
 `;
 
-const RAY_TEST = `
+export const RAY_TEST = `
 uniform sampler2D asked;
 uniform int asked_count;
 uniform usampler2DArray free;

@@ -85,7 +85,7 @@ fn sees_through(at: vec2<f32>, near: f32, far: f32) -> bool {
     for (var nth = 0u; nth < finish.view_count; nth++) {
         let view = views[nth];
         let sight = ray(view.cells_from_target, at.x, at.y);
-        if look(view, sight, near, (near - far) / 16.0, 0u, 0xffff0000u).x != 0u {
+        if look(view, sight, near, (near - far) / 4.0, 0u, 0xfffffff0u).x != 0u {
             return true;
         }
     }

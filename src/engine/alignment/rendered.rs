@@ -21,7 +21,7 @@ const AGREEING_PAIRS: f64 = 0.25;
 const AGREEING_PAIRS_OF_ONE: f64 = 0.75;
 const CORRECTED_FOOTPRINTS: f64 = 0.1;
 /// A pose that is off by less shows in no picture, and things of one size in pixels are taken for as much, footprints.
-const LEAST_OFF_FOOTPRINTS: f64 = 0.3;
+const LEAST_OFF_FOOTPRINTS: f64 = 0.5;
 /// A pose that pays and is off by this much is wrong: drawing that goes with the camera moves what exact views show by less, footprints.
 const FAR_OFF_FOOTPRINTS: f64 = 2.0;
 /// It has to bring surfaces this much nearer to each other, as a share of their distances: a light that goes with the camera changes colors

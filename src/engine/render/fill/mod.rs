@@ -8,7 +8,8 @@
 //! What differs: a pyramid in which the farther side always wins grows the near side wherever a coarse cell holds nothing
 //! else, and lets a sliver of sky win over a whole wall elsewhere. So the surface is chosen first (`surface`), for every hole
 //! pixel by itself, among the painted pixels that it sees across its own hole (`rays`); the pyramid (`pyramid`) then
-//! blends colors of that surface alone. Last, neighbors in a hole are joined (`around`).
+//! blends colors of that surface alone. A round thing that was seen in part goes on before all others (`round`). Last, neighbors in a hole
+//! are joined (`around`).
 //!
 //! ```text
 //!      near  near  near |  hole  hole  hole  hole | far  far      across the hole two surfaces face each other: the farther

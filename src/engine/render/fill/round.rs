@@ -57,7 +57,7 @@ type Sections = [Option<Section>; 8];
 
 /// The round things beside the holes of a picture.
 pub(super) struct RoundThings {
-    /// For each pixel the number of its sections, from 1 on; 0 without any.
+    /// For each pixel the number of its sections, from 1 on; 0 without any. Empty where no pixel has any.
     numbers: Vec<u32>,
     sections: Vec<Sections>,
     lines: Lines,
@@ -105,11 +105,14 @@ impl RoundThings {
         let (width, _) = target.intrinsics.size();
         let lines = Lines(rays_in_world(target, 0.5));
         let edge = HoleEdges { depths, sources, width, lines: &lines, joined: tolerance.factor(JOINED_PX) };
-        let rows = depths.par_chunks(width).enumerate();
-        let rows: Vec<Vec<(usize, Sections)>> = rows.map(|(y, row)| edge.sections_of_row(y, row)).collect();
-        let mut numbers = vec![0; depths.len()];
+        let rows: Vec<Vec<(usize, Sections)>> =
+            (0..depths.len() / width).into_par_iter().map(|y| edge.sections_of_row(y)).collect();
+        let mut numbers = Vec::new();
         let mut sections = Vec::new();
         for (pixel, of_pixel) in rows.into_iter().flatten() {
+            if numbers.is_empty() {
+                numbers = vec![0; depths.len()];
+            }
             sections.push(of_pixel);
             numbers[pixel] = sections.len() as u32;
         }
@@ -125,8 +128,11 @@ impl RoundThings {
         seen: &HoleNeighbors,
         is_seen_through: impl Fn([f32; 2]) -> bool,
     ) -> RoundVotes {
-        let line = self.lines.at([x, y]);
         let mut votes = RoundVotes::default();
+        if self.sections.is_empty() {
+            return votes;
+        }
+        let line = self.lines.at([x, y]);
         let mut nearest = 0.0;
         for direction in 0..8 {
             let pixel = seen.pixel[direction];
@@ -191,15 +197,27 @@ struct HoleEdges<'a> {
 
 impl HoleEdges<'_> {
     /// The pixels of a row that have sections, with these.
-    fn sections_of_row(&self, y: usize, row: &[f32]) -> Vec<(usize, Sections)> {
+    fn sections_of_row(&self, y: usize) -> Vec<(usize, Sections)> {
+        let row = |y: usize| &self.sources[y * self.width..][..self.width];
+        let last = self.depths.len() / self.width - 1;
+        let [above, here, below] = [row(y.saturating_sub(1)), row(y), row((y + 1).min(last))];
+        // Most rows have no hole beside them: this is fast for those.
+        let columns = above.iter().zip(here).zip(below);
+        let is_hole = |source: &u32| *source == NO_IMAGE;
+        let has_hole: Vec<bool> = columns.map(|((a, b), c)| is_hole(a) | is_hole(b) | is_hole(c)).collect();
+        if !has_hole.iter().fold(false, |any, has_hole| any | has_hole) {
+            return Vec::new();
+        }
         let of_pixel = |x: usize| {
             let pixel = y * self.width + x;
-            let is_surface = row[x] > 0.0 && self.sources[pixel] != NO_IMAGE;
-            let sections: Sections =
-                std::array::from_fn(|direction| self.section([x, y], direction).filter(|_| is_surface));
+            let is_beside = has_hole[x.saturating_sub(1)..(x + 2).min(self.width)].contains(&true);
+            if !is_beside || is_hole(&here[x]) || self.depths[pixel] <= 0.0 {
+                return None;
+            }
+            let sections: Sections = std::array::from_fn(|direction| self.section([x, y], direction));
             sections.iter().any(Option::is_some).then_some((pixel, sections))
         };
-        (0..row.len()).filter(|x| row[*x] > 0.0).filter_map(of_pixel).collect()
+        (0..self.width).filter_map(of_pixel).collect()
     }
 
     /// The section at a pixel whose neighbor against a direction is a hole.

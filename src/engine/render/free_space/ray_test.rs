@@ -15,6 +15,9 @@ const GROUPS: usize = 4;
 /// Inverse depths at which a line of sight is tested.
 const DEPTHS: usize = GROUPS * LANES;
 
+/// Inverse depths at which a short part of one is tested.
+const FEW_DEPTHS: usize = 4;
+
 /// What a camera saw counts as behind a point only if it is farther by this many cells' footprints.
 const BEHIND_FOOTPRINTS: f32 = 1.0;
 
@@ -118,9 +121,23 @@ impl<'a> RayTest<'a> {
 
     /// Whether any camera saw through the line of sight of pixel `(x, y)` somewhere between the inverse depths `near` and `far`.
     pub(crate) fn sees_through(&self, (x, y): (f32, f32), near: f32, far: f32) -> bool {
-        let step = (near - far) / LANES as f32;
-        let w = std::array::from_fn(|i| near - step * (i as f32 + 0.5));
-        self.views.iter().any(|view| Self::look(view, (x, y), &w)[0] != 0)
+        let step = (near - far) / FEW_DEPTHS as f32;
+        let depths: [f32; FEW_DEPTHS] = std::array::from_fn(|nth| near - step * (nth as f32 + 0.5));
+        self.views.iter().any(|view| {
+            if view.behind_by.is_some() {
+                return depths.iter().any(|w| Self::look(view, (x, y), &[*w; LANES])[0] != 0);
+            }
+            let free_depths = view.free;
+            let (ray, origin) = (view.cells_from_target.ray(x, y), view.cells_from_target.origin);
+            let (right, below) = ((free_depths.across - 1) as f32, (free_depths.down - 1) as f32);
+            depths.iter().any(|w| {
+                let reciprocal = 1.0 / (ray.z + origin.z * w);
+                let u = ((ray.x + origin.x * w) * reciprocal + 1.5).max(0.0).min(right) as usize;
+                let v = ((ray.y + origin.y * w) * reciprocal + 1.5).max(0.0).min(below) as usize;
+                let limit = w * reciprocal * view.behind_ratio;
+                reciprocal > 0.0 && free_depths.farthest[v * free_depths.across + u] < limit
+            })
+        })
     }
 
     /// At which of some inverse depths a camera saw the pixel's line of sight free, and at which it saw something in front of it:
