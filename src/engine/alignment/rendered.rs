@@ -108,6 +108,8 @@ pub(super) fn doubtful_poses(problem: &Problem, poses: &mut [PoseCorrection]) ->
     };
     let doubtful = poses.iter().enumerate().filter(|(camera, pose)| is_doubtful(*camera, pose));
     let doubtful: Vec<usize> = doubtful.map(|(camera, _)| camera).collect();
-    doubtful.iter().for_each(|camera| poses[*camera].kept = false);
+    for camera in &doubtful {
+        poses[*camera].kept = false;
+    }
     doubtful
 }
