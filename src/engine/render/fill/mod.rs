@@ -242,9 +242,7 @@ impl FillSources {
         let round = viewpoint.map(|target| RoundThings::new(depths, &sources, target, tolerance));
         Self { pyramid, rays, round }
     }
-}
 
-impl FillSources {
     /// What round things say of a pixel of a hole that sees `seen`; nothing where there are none.
     fn votes(
         &self,
