@@ -101,7 +101,7 @@ const uint ONLY_SKY = 2u;
 `;
 
 /** Where cameras tell what they saw, round things go on. */
-export const FILL = (cameras_tell) => `${PRECISE}
+export const FILL = (camerasTell) => `${PRECISE}
 out uvec4 filling;
 uniform int level_count;
 ${PICTURE}
@@ -125,7 +125,7 @@ float distances[8];
 float depths[8];
 vec3 colors[8];
 int counts[8];
-${cameras_tell ? ROUND : ""}
+${camerasTell ? ROUND : ""}
 
 /** Looks in eight directions for what a hole is filled from; whether it is open to the sky. */
 bool look_around(ivec2 from, bool takes_all) {
@@ -225,8 +225,8 @@ void main() {
   bool is_open = pixel.w != SKY_HOLE && look_around(at, pixel.w == HOLE);
   float limit = pixel.w > OPEN_HOLE && pixel.w < HOLE ? HOLE - pixel.w : 0.0;
   vec2 chosen = pixel.w == SKY_HOLE ? vec2(0.0, NONE) : surface_behind(limit);
-  ${cameras_tell ? "ivec4 votes = pixel.w == SKY_HOLE ? ivec4(0, 0, 0, -1) : votes_at(at);" : ""}
-  ${cameras_tell ? "if (votes.w >= 0) chosen = vec2(depths[votes.w], distances[votes.w]);" : ""}
+  ${camerasTell ? "ivec4 votes = pixel.w == SKY_HOLE ? ivec4(0, 0, 0, -1) : votes_at(at);" : ""}
+  ${camerasTell ? "if (votes.w >= 0) chosen = vec2(depths[votes.w], distances[votes.w]);" : ""}
   if (chosen.y < NONE && (chosen.x > 0.0 || !has_sky)) {
     vec2 range = vec2(chosen.x);
     float reach = 0.0;
@@ -245,7 +245,7 @@ void main() {
     if (push(at, range, reach, color) <= 0.0) color = mean / weight;
     float hidden = unpackHalf2x16(pixel.kind).y;
     float share = has_sky ? sky_share(pixel.w, hidden, is_open) : 0.0;
-    ${cameras_tell ? "share = sky_share_by(votes, share);" : ""}
+    ${camerasTell ? "share = sky_share_by(votes, share);" : ""}
     result = Pixel(color.rgb, share, color.a, FILLED);
   }
   filling = pack(result);

@@ -233,8 +233,13 @@ impl PixelDirections {
 
     /// The direction of a pixel's center, of length 1.
     pub(crate) fn at(&self, (x, y): (usize, usize)) -> Vec3 {
+        self.to_depth_1((x, y)).normalize_or_zero()
+    }
+
+    /// The same, as long as it is to planar depth 1.
+    pub(crate) fn to_depth_1(&self, (x, y): (usize, usize)) -> Vec3 {
         let [first, across, down] = self.0;
-        (first + across * x as f32 + down * y as f32).normalize_or_zero()
+        first + across * x as f32 + down * y as f32
     }
 }
 

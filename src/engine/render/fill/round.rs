@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::rays::HoleNeighbors;
 use super::surface::SurfaceTolerance;
 use crate::capture::Camera;
-use crate::render::geometry::rays_in_world;
+use crate::render::environment::PixelDirections;
 use crate::render::vantage::NO_IMAGE;
 
 /// Pixels from each sample of a section to the next, the best first: the wider apart, the surer the circle.
@@ -60,17 +60,7 @@ pub(super) struct RoundThings {
     /// For each pixel the number of its sections, from 1 on; 0 without any. Empty where no pixel has any.
     numbers: Vec<u32>,
     sections: Vec<Sections>,
-    lines: Lines,
-}
-
-/// Lines of sight in world space, of planar depth 1.
-struct Lines([Vec3; 3]);
-
-impl Lines {
-    fn at(&self, [x, y]: [usize; 2]) -> Vec3 {
-        let [first, across, down] = self.0;
-        first + across * x as f32 + down * y as f32
-    }
+    directions: PixelDirections,
 }
 
 /// What round things say of a pixel of a hole.
@@ -103,8 +93,14 @@ impl RoundThings {
     /// Those of a picture of `target`, by the inverse depths of its `sources`, which are not [`NO_IMAGE`].
     pub(super) fn new(depths: &[f32], sources: &[u32], target: &Camera, tolerance: SurfaceTolerance) -> Self {
         let (width, _) = target.intrinsics.size();
-        let lines = Lines(rays_in_world(target, 0.5));
-        let edge = HoleEdges { depths, sources, width, lines: &lines, joined: tolerance.factor(JOINED_PX) };
+        let directions = PixelDirections::new(target);
+        let edge = HoleEdges {
+            depths,
+            sources,
+            width,
+            directions: &directions,
+            joined: tolerance.factor(JOINED_PX),
+        };
         let rows: Vec<Vec<(usize, Sections)>> =
             (0..depths.len() / width).into_par_iter().map(|y| edge.sections_of_row(y)).collect();
         let mut numbers = Vec::new();
@@ -116,7 +112,7 @@ impl RoundThings {
             sections.push(of_pixel);
             numbers[pixel] = sections.len() as u32;
         }
-        Self { numbers, sections, lines }
+        Self { numbers, sections, directions }
     }
 
     /// What they say of a pixel of a hole that sees `seen`. Whether a camera saw through its line of sight somewhere between two inverse
@@ -132,7 +128,7 @@ impl RoundThings {
         if self.sections.is_empty() {
             return votes;
         }
-        let line = self.lines.at([x, y]);
+        let line = self.directions.to_depth_1((x, y));
         let mut nearest = 0.0;
         for direction in 0..8 {
             let pixel = seen.pixel[direction];
@@ -190,7 +186,7 @@ struct HoleEdges<'a> {
     /// As in [`RoundThings::new`].
     sources: &'a [u32],
     width: usize,
-    lines: &'a Lines,
+    directions: &'a PixelDirections,
     /// The factor by which inverse depths of neighbors on one surface may differ.
     joined: f32,
 }
@@ -238,7 +234,7 @@ impl HoleEdges<'_> {
         let spacing = SPACINGS.into_iter().find(|spacing| 2 * spacing <= length)?;
         let point = |nth: usize| {
             let there = self.moved(at, direction, (nth * spacing) as isize)?;
-            Some(self.lines.at(there) / self.depths[self.pixel(there)])
+            Some(self.directions.to_depth_1(there.into()) / self.depths[self.pixel(there)])
         };
         Section::through([point(2)?, point(1)?, point(0)?])
     }
@@ -275,11 +271,11 @@ mod tests {
     /// Inverse depths of a ball, and which of them are seen: of its left half alone.
     fn half_seen() -> (Vec<f32>, Vec<u32>) {
         let camera = camera();
-        let lines = Lines(rays_in_world(&camera, 0.5));
+        let directions = PixelDirections::new(&camera);
         let ball = Section { center: BALL, radius_squared: RADIUS * RADIUS };
         let side = SIZE as usize;
         let depth = |pixel: usize| {
-            let met = ball.met_by(lines.at([pixel % side, pixel / side]));
+            let met = ball.met_by(directions.to_depth_1((pixel % side, pixel / side)));
             met.filter(|_| pixel % side < side / 2).map_or(-1.0, |[front, _]| front)
         };
         let depths: Vec<f32> = (0..side * side).map(depth).collect();

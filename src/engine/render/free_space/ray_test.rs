@@ -119,7 +119,8 @@ impl<'a> RayTest<'a> {
         if free == u64::MAX >> (64 - DEPTHS) { LineOfSight::Free } else { LineOfSight::Unseen }
     }
 
-    /// Whether any camera saw through the line of sight of pixel `(x, y)` somewhere between the inverse depths `near` and `far`.
+    /// Whether any camera saw through the line of sight of pixel `(x, y)` somewhere between the inverse depths `near` and `far`. One number
+    /// after the other: vectors as in [`Self::look`] pay only where the instruction set is chosen, which it is not where holes are filled.
     pub(crate) fn sees_through(&self, (x, y): (f32, f32), near: f32, far: f32) -> bool {
         let step = (near - far) / FEW_DEPTHS as f32;
         let depths: [f32; FEW_DEPTHS] = std::array::from_fn(|nth| near - step * (nth as f32 + 0.5));
