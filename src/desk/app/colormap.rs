@@ -6,7 +6,7 @@
 
 use egui::Color32;
 
-use crate::app::theme::Tokens;
+use crate::app::theme::{Tokens, rgb};
 use overlook_engine::color::steps_from_linear;
 use overlook_engine::preprocess::agreement::SampleAgreement;
 
@@ -16,19 +16,10 @@ const VIRIDIS: [u32; 9] =
 const PURPLE_ORANGE: [u32; 9] =
     [0x54_2788, 0x80_73ac, 0xb2_abd2, 0xd8_daeb, 0xf0_f0f0, 0xfe_e0b6, 0xfd_b863, 0xe0_8214, 0xb3_5806];
 
-fn rgb(hex: u32) -> [u8; 3] {
-    [(hex >> 16) as u8, (hex >> 8) as u8, hex as u8]
-}
-
 fn interpolate(stops: &[u32; 9], position: f32) -> Color32 {
     let scaled = position.clamp(0.0, 1.0) * 8.0;
     let first = (scaled as usize).min(7);
-    let fraction = scaled - first as f32;
-    let channel = |c: usize| {
-        let [a, b] = [first, first + 1].map(|stop| f32::from(rgb(stops[stop])[c]));
-        (a + (b - a) * fraction).round() as u8
-    };
-    Color32::from_rgb(channel(0), channel(1), channel(2))
+    mix(rgb(stops[first]), rgb(stops[first + 1]), scaled - first as f32)
 }
 
 /// A color that grows lighter from 0 to 1; values outside are clamped, NaN is 0.
@@ -43,8 +34,13 @@ pub(crate) fn diverging(value: f32) -> Color32 {
 
 /// Black or white, whichever reads better on a color.
 pub(crate) fn text_on(background: Color32) -> Color32 {
-    let [r, g, b] = [background.r(), background.g(), background.b()].map(f32::from);
-    if 0.2126 * r + 0.7152 * g + 0.0722 * b > 110.0 { Color32::BLACK } else { Color32::WHITE }
+    if lightness(background) > 110.0 { Color32::BLACK } else { Color32::WHITE }
+}
+
+/// Lightness of a color, 0 to 255.
+fn lightness(color: Color32) -> f32 {
+    let [r, g, b, _] = color.to_array().map(f32::from);
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 /// An 8-bit sRGB color.
@@ -60,11 +56,8 @@ pub(crate) fn recorded(linear: [half::f16; 3]) -> Color32 {
 /// `over` laid over `under` with the given opacity, 0 to 1, in display space.
 pub(crate) fn mix(under: Color32, over: Color32, opacity: f32) -> Color32 {
     let channel = |a: u8, b: u8| (f32::from(a) + (f32::from(b) - f32::from(a)) * opacity).round() as u8;
-    Color32::from_rgb(
-        channel(under.r(), over.r()),
-        channel(under.g(), over.g()),
-        channel(under.b(), over.b()),
-    )
+    let ([r, g, b, _], [over_r, over_g, over_b, _]) = (under.to_array(), over.to_array());
+    Color32::from_rgb(channel(r, over_r), channel(g, over_g), channel(b, over_b))
 }
 
 /// A color of a picture, tinted by how its sample agrees with other cameras; confirmed colors stay readable.
@@ -75,17 +68,12 @@ pub(crate) fn agreeing(own: Color32, agreement: SampleAgreement, tokens: &Tokens
 
 /// `color` as a gray of its lightness, at `strength` of its brightness.
 pub(crate) fn dimmed(color: Color32, strength: f32) -> Color32 {
-    let gray = 0.2126 * f32::from(color.r()) + 0.7152 * f32::from(color.g()) + 0.0722 * f32::from(color.b());
-    Color32::from_gray((gray * strength).round() as u8)
+    Color32::from_gray((lightness(color) * strength).round() as u8)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn lightness(color: Color32) -> f32 {
-        0.2126 * f32::from(color.r()) + 0.7152 * f32::from(color.g()) + 0.0722 * f32::from(color.b())
-    }
 
     #[test]
     fn the_sequential_map_grows_lighter_throughout() {

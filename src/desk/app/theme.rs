@@ -9,7 +9,7 @@ use egui::{
 
 use overlook_engine::preprocess::agreement::SampleAgreement;
 
-const fn rgb(hex: u32) -> Color32 {
+pub(crate) const fn rgb(hex: u32) -> Color32 {
     Color32::from_rgb((hex >> 16) as u8, (hex >> 8) as u8, hex as u8)
 }
 
@@ -70,63 +70,40 @@ pub(crate) struct Tokens {
     pub mark: Color32,
 }
 
-const DARK: Tokens = Tokens {
-    background: rgb(0x0f_1216),
-    surface: rgb(0x17_1b21),
-    raised: rgb(0x23_2931),
-    raised_hovered: rgb(0x2e_3640),
-    canvas: rgb(0x0b_0d10),
-    border: rgb(0x2c_333d),
-    text: rgb(0xe4_e8ee),
-    text_weak: rgb(0x9b_a7b6),
-    accent: rgb(0x4f_b3ff),
-    on_accent: rgb(0x06_1726),
-    accent_faint: rgb(0x24_5079),
-    warning: rgb(0xf2_b84b),
-    error: rgb(0xff_8a7a),
-    error_faint: rgb(0x3a_1d1b),
-    hole: rgb(0x33_2040),
-    hole_stripe: rgb(0x3f_2a4e),
-    static_over_time: rgb(0x3a_7fc4),
-    lasting: rgb(0x35_b592),
-    moving: rgb(0xf0_a030),
-    confirmed: rgb(0x3a_7fc4),
-    contradicted: rgb(0xe2_4a2c),
-    alone: rgb(0xe9_d648),
-    invalid: rgb(0x55_5a61),
-    scrim: Color32::from_rgba_premultiplied(6, 8, 10, 190),
-    on_scrim: rgb(0xf2_f5f8),
-    mark: rgb(0xff_5fd2),
-};
+const DARK: Tokens = tokens(true);
+const LIGHT: Tokens = tokens(false);
 
-const LIGHT: Tokens = Tokens {
-    background: rgb(0xdb_e0e6),
-    surface: rgb(0xf7_f8fa),
-    raised: rgb(0xe7_eaef),
-    raised_hovered: rgb(0xd9_dee5),
-    canvas: rgb(0xd5_d9df),
-    border: rgb(0xcb_d1d9),
-    text: rgb(0x1b_2129),
-    text_weak: rgb(0x51_5c69),
-    accent: rgb(0x0b_64b0),
-    on_accent: rgb(0xff_ffff),
-    accent_faint: rgb(0xb5_d6f5),
-    warning: rgb(0x8a_5300),
-    error: rgb(0xb0_2318),
-    error_faint: rgb(0xfb_e3e0),
-    hole: rgb(0x8d_7a9a),
-    hole_stripe: rgb(0x81_6d8f),
-    static_over_time: rgb(0x2f_72b5),
-    lasting: rgb(0x12_9273),
-    moving: rgb(0xd9_8200),
-    confirmed: rgb(0x2f_72b5),
-    contradicted: rgb(0xc4_3412),
-    alone: rgb(0xcf_b400),
-    invalid: rgb(0x8b_9199),
-    scrim: Color32::from_rgba_premultiplied(6, 8, 10, 180),
-    on_scrim: rgb(0xf7_f9fb),
-    mark: rgb(0xff_5fd2),
-};
+/// The colors of a theme: of each the one of the dark theme, and the one of the light theme.
+const fn tokens(dark: bool) -> Tokens {
+    Tokens {
+        background: rgb(if dark { 0x0f_1216 } else { 0xdb_e0e6 }),
+        surface: rgb(if dark { 0x17_1b21 } else { 0xf7_f8fa }),
+        raised: rgb(if dark { 0x23_2931 } else { 0xe7_eaef }),
+        raised_hovered: rgb(if dark { 0x2e_3640 } else { 0xd9_dee5 }),
+        canvas: rgb(if dark { 0x0b_0d10 } else { 0xd5_d9df }),
+        border: rgb(if dark { 0x2c_333d } else { 0xcb_d1d9 }),
+        text: rgb(if dark { 0xe4_e8ee } else { 0x1b_2129 }),
+        text_weak: rgb(if dark { 0x9b_a7b6 } else { 0x51_5c69 }),
+        accent: rgb(if dark { 0x4f_b3ff } else { 0x0b_64b0 }),
+        on_accent: rgb(if dark { 0x06_1726 } else { 0xff_ffff }),
+        accent_faint: rgb(if dark { 0x24_5079 } else { 0xb5_d6f5 }),
+        warning: rgb(if dark { 0xf2_b84b } else { 0x8a_5300 }),
+        error: rgb(if dark { 0xff_8a7a } else { 0xb0_2318 }),
+        error_faint: rgb(if dark { 0x3a_1d1b } else { 0xfb_e3e0 }),
+        hole: rgb(if dark { 0x33_2040 } else { 0x8d_7a9a }),
+        hole_stripe: rgb(if dark { 0x3f_2a4e } else { 0x81_6d8f }),
+        static_over_time: rgb(if dark { 0x3a_7fc4 } else { 0x2f_72b5 }),
+        lasting: rgb(if dark { 0x35_b592 } else { 0x12_9273 }),
+        moving: rgb(if dark { 0xf0_a030 } else { 0xd9_8200 }),
+        confirmed: rgb(if dark { 0x3a_7fc4 } else { 0x2f_72b5 }),
+        contradicted: rgb(if dark { 0xe2_4a2c } else { 0xc4_3412 }),
+        alone: rgb(if dark { 0xe9_d648 } else { 0xcf_b400 }),
+        invalid: rgb(if dark { 0x55_5a61 } else { 0x8b_9199 }),
+        scrim: Color32::from_rgba_premultiplied(6, 8, 10, if dark { 190 } else { 180 }),
+        on_scrim: rgb(if dark { 0xf2_f5f8 } else { 0xf7_f9fb }),
+        mark: rgb(0xff_5fd2),
+    }
+}
 
 impl Tokens {
     pub(crate) fn of(dark: bool) -> &'static Self {
