@@ -107,16 +107,8 @@ impl ApplicationHandler<UserEvent> for PacedWindow<'_> {
         }
     }
 
-    fn suspended(&mut self, event_loop: &ActiveEventLoop) {
-        self.window.suspended(event_loop);
-    }
-
     fn exiting(&mut self, event_loop: &ActiveEventLoop) {
         self.window.exiting(event_loop);
-    }
-
-    fn memory_warning(&mut self, event_loop: &ActiveEventLoop) {
-        self.window.memory_warning(event_loop);
     }
 }
 
