@@ -261,18 +261,13 @@ pub(crate) fn note_picture(ui: &Ui, area: Rect, name: &'static str) {
     drawn_pictures(ui.ctx(), |pictures| pictures.insert(name, (area, pass)));
 }
 
-/// The picture that was drawn in an area in this pass.
-pub(crate) fn picture_in(ui: &Ui, area: Rect) -> Option<Rect> {
-    let pass = ui.ctx().cumulative_pass_nr();
-    let is_there = |(picture, drawn): &&(Rect, u64)| *drawn == pass && area.contains_rect(*picture);
-    drawn_pictures(ui.ctx(), |pictures| pictures.values().find(is_there).map(|(picture, _)| *picture))
-}
-
-/// Where a picture of a name was drawn in this pass.
-pub(crate) fn drawn_picture(ctx: &egui::Context, name: &str) -> Option<Rect> {
+/// Where a picture was drawn in this pass that is wanted by its name and place.
+pub(crate) fn drawn_picture(ctx: &egui::Context, is_wanted: impl Fn(&str, Rect) -> bool) -> Option<Rect> {
     let pass = ctx.cumulative_pass_nr();
-    let is_there = |(_, drawn): &&(Rect, u64)| *drawn == pass;
-    drawn_pictures(ctx, |pictures| pictures.get(name).filter(is_there).map(|(area, _)| *area))
+    drawn_pictures(ctx, |pictures| {
+        let drawn = pictures.iter().find(|(name, (area, drawn))| *drawn == pass && is_wanted(name, *area));
+        drawn.map(|(_, (area, _))| *area)
+    })
 }
 
 /// Whether the pointer is over a picture whose pixels are pointed at: elsewhere no pixel is marked, unless it is pinned.
@@ -301,19 +296,15 @@ pub(crate) fn chips(
             TextPart::Words(words) => job.append(words, 0.0, TextFormat::simple(font.clone(), color)),
             TextPart::Camera(index) => {
                 let Some(camera) = cameras.get(*index) else { continue };
-                job.append(&camera.name, MARGIN, chip(*index, font.clone()));
+                let background = camera_cues::color(*index);
+                let name = TextFormat::simple(font.clone(), colormap::text_on(background));
+                job.append(&camera.name, MARGIN, TextFormat { background, expand_bg: MARGIN, ..name });
                 // Room for the margin on the other side.
                 job.append("", MARGIN, TextFormat::simple(font.clone(), color));
             }
         }
     }
     job
-}
-
-/// How the name of a camera looks.
-fn chip(index: usize, font: FontId) -> TextFormat {
-    let background = camera_cues::color(index);
-    TextFormat { background, expand_bg: MARGIN, ..TextFormat::simple(font, colormap::text_on(background)) }
 }
 
 /// What is folded away below a line that opens it; `of` is whose it is, `wanted` opens it.

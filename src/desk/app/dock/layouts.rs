@@ -81,33 +81,20 @@ fn set_share_of_last(tree: &mut Tree<DockView>, parts: TileId, dir: LinearDir, s
 pub(crate) fn put_below(tree: &mut Tree<DockView>, pane: TileId) {
     let Some(root) = tree.root() else { return };
     let lower = tree.tiles.insert_tab_tile(vec![pane]);
-    let below = |tree: &mut Tree<DockView>, upper: TileId| {
-        let rows = Linear::new_binary(LinearDir::Vertical, [upper, lower], 1.0 - LOWER_SHARE);
-        tree.tiles.insert_container(rows)
-    };
-    let beside_side = match tree.tiles.get(root) {
-        Some(Tile::Container(Container::Linear(linear))) if linear.dir == LinearDir::Horizontal => {
-            linear.children.split_last().filter(|(_, upper)| !upper.is_empty())
-        }
-        _ => None,
-    };
-    let Some((side, upper)) = beside_side.map(|(side, upper)| (*side, upper.to_vec())) else {
-        tree.root = Some(below(tree, root));
-        return;
-    };
-    let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get_mut(root) else { return };
-    let shares: Vec<f32> = upper.iter().map(|child| linear.shares[*child]).collect();
-    let side_share = linear.shares[side];
-    let mut row = Linear::new(LinearDir::Horizontal, upper.clone());
-    for (child, share) in upper.iter().zip(&shares) {
-        row.shares.set_share(*child, *share);
+    let (mut upper, mut side) = (root, None);
+    if let Some(Tile::Container(Container::Linear(linear))) = tree.tiles.get(root)
+        && linear.dir == LinearDir::Horizontal
+        && let [others @ .., last] = &linear.children[..]
+        && !others.is_empty()
+    {
+        let rest: f32 = others.iter().map(|other| linear.shares[*other]).sum();
+        side = Some((*last, rest / (rest + linear.shares[*last])));
+        let row = Linear { children: others.to_vec(), ..linear.clone() };
+        upper = tree.tiles.insert_container(row);
     }
-    let row = tree.tiles.insert_container(row);
-    let rows = below(tree, row);
-    let mut root = Linear::new(LinearDir::Horizontal, vec![rows, side]);
-    root.shares.set_share(rows, shares.iter().sum());
-    root.shares.set_share(side, side_share);
-    tree.root = Some(tree.tiles.insert_container(root));
+    let rows = above(&mut tree.tiles, [upper, lower]);
+    let with_side = side.map(|(side, share)| beside(&mut tree.tiles, [rows, side], share));
+    tree.root = Some(with_side.unwrap_or(rows));
 }
 
 /// Two rows of views, and the settings beside both.
@@ -116,8 +103,13 @@ fn with_side(tiles: &mut Tiles<DockView>, rows: [TileId; 2]) -> TileId {
         tiles,
         &[DockView::Thresholds, DockView::Report, DockView::View, DockView::Color, DockView::Edits],
     );
-    let rows = tiles.insert_container(Linear::new_binary(LinearDir::Vertical, rows, 1.0 - LOWER_SHARE));
+    let rows = above(tiles, rows);
     beside(tiles, [rows, side], 1.0 - SIDE_SHARE)
+}
+
+/// A view above the lower panel.
+fn above(tiles: &mut Tiles<DockView>, pair: [TileId; 2]) -> TileId {
+    tiles.insert_container(Linear::new_binary(LinearDir::Vertical, pair, 1.0 - LOWER_SHARE))
 }
 
 fn beside(tiles: &mut Tiles<DockView>, pair: [TileId; 2], left_share: f32) -> TileId {
@@ -126,10 +118,6 @@ fn beside(tiles: &mut Tiles<DockView>, pair: [TileId; 2], left_share: f32) -> Ti
 
 /// Views that lie one behind the other, the first in front.
 fn tabs(tiles: &mut Tiles<DockView>, views: &[DockView]) -> TileId {
-    let panes: Vec<TileId> = views.iter().map(|view| tiles.insert_pane(*view)).collect();
-    let id = tiles.insert_tab_tile(panes.clone());
-    if let (Some(Tile::Container(Container::Tabs(tabs))), Some(first)) = (tiles.get_mut(id), panes.first()) {
-        tabs.set_active(*first);
-    }
-    id
+    let panes = views.iter().map(|view| tiles.insert_pane(*view)).collect();
+    tiles.insert_tab_tile(panes)
 }

@@ -15,18 +15,20 @@ use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{self, icon_button};
 
 /// The layout of the views of each workspace.
+#[derive(serde::Serialize)]
 pub(crate) struct Dock {
     workspace: Workspace,
-    /// The layouts of workspaces that were shown.
-    trees: BTreeMap<Workspace, Tree<DockView>>,
+    /// One for every workspace.
+    layouts: BTreeMap<Workspace, Tree<DockView>>,
     /// Workspaces whose layouts nobody arranged: they fit windows of any size.
     fitted: BTreeSet<Workspace>,
     /// The view that the pointer was over when it was last drawn.
+    #[serde(skip)]
     pointed_at: Option<DockView>,
 }
 
-/// Layouts as they are remembered: one by one, so that what cannot be read costs one layout and not all.
-#[derive(serde::Serialize, serde::Deserialize)]
+/// Layouts as they are read: one by one, so that what cannot be read costs one layout and not all.
+#[derive(serde::Deserialize)]
 struct RememberedLayouts {
     workspace: Workspace,
     layouts: BTreeMap<Workspace, serde_json::Value>,
@@ -36,9 +38,9 @@ struct RememberedLayouts {
 impl Dock {
     /// The layouts of a first run.
     pub(crate) fn new() -> Self {
-        let workspace = Workspace::default();
-        let trees = [(workspace, layouts::tree_of(workspace))].into();
-        Self { workspace, trees, fitted: [workspace].into(), pointed_at: None }
+        let all = Workspace::ALL.map(|(workspace, ..)| workspace);
+        let layouts = all.map(|workspace| (workspace, layouts::tree_of(workspace))).into();
+        Self { workspace: Workspace::default(), layouts, fitted: all.into(), pointed_at: None }
     }
 
     /// Layouts as [`Dock::to_json`] gave them; that of a first run for each that cannot be read or shows nothing.
@@ -50,11 +52,11 @@ impl Dock {
             (tree.root().is_some() && !tree.tiles.is_empty()).then_some(tree)
         };
         if let Ok(remembered) = serde_json::from_str::<RememberedLayouts>(text) {
-            dock.show_workspace(remembered.workspace);
+            dock.workspace = remembered.workspace;
             for (workspace, layout) in remembered.layouts {
                 if let Some(tree) = readable(layout) {
-                    dock.trees.insert(workspace, tree);
-                    dock.set_fitted(workspace, remembered.fitted.contains(&workspace));
+                    dock.layouts.insert(workspace, tree);
+                    dock.fitted.retain(|of| *of != workspace || remembered.fitted.contains(of));
                 }
             }
         }
@@ -63,20 +65,8 @@ impl Dock {
 
     /// The layouts as text.
     pub(crate) fn to_json(&self) -> String {
-        let layouts =
-            self.trees.iter().filter_map(|(of, tree)| Some((*of, serde_json::to_value(tree).ok()?)));
-        let layouts = layouts.collect();
-        let remembered =
-            RememberedLayouts { workspace: self.workspace, layouts, fitted: self.fitted.clone() };
-        serde_json::to_string(&remembered).unwrap_or_default()
-    }
-
-    fn set_fitted(&mut self, workspace: Workspace, is_fitted: bool) {
-        if is_fitted {
-            self.fitted.insert(workspace);
-        } else {
-            self.fitted.remove(&workspace);
-        }
+        // As a value first: its keys are in order, so that layouts that are alike give one text.
+        serde_json::to_value(self).unwrap_or_default().to_string()
     }
 
     /// The workspace that is shown.
@@ -87,38 +77,32 @@ impl Dock {
     /// Shows another workspace.
     pub(crate) fn show_workspace(&mut self, workspace: Workspace) {
         self.workspace = workspace;
-        if !self.trees.contains_key(&workspace) {
-            self.reset();
-        }
     }
 
     /// Restores the first layout of the shown workspace.
     pub(crate) fn reset(&mut self) {
-        self.trees.insert(self.workspace, layouts::tree_of(self.workspace));
-        self.set_fitted(self.workspace, true);
+        self.layouts.insert(self.workspace, layouts::tree_of(self.workspace));
+        self.fitted.insert(self.workspace);
     }
 
-    fn tree(&self) -> Option<&Tree<DockView>> {
-        self.trees.get(&self.workspace)
+    fn tree(&self) -> &Tree<DockView> {
+        &self.layouts[&self.workspace]
     }
 
     fn tree_mut(&mut self) -> &mut Tree<DockView> {
         let workspace = self.workspace;
-        self.trees.entry(workspace).or_insert_with(|| layouts::tree_of(workspace))
+        self.layouts.entry(workspace).or_insert_with(|| layouts::tree_of(workspace))
     }
 
     /// The views that can be seen now.
     pub(crate) fn visible(&self) -> Vec<DockView> {
-        let panes = |tree: &Tree<DockView>| {
-            let active = tree.active_tiles().into_iter();
-            active.filter_map(|id| tree.tiles.get_pane(&id).copied()).collect()
-        };
-        self.tree().map_or_else(Vec::new, panes)
+        let tree = self.tree();
+        tree.active_tiles().iter().filter_map(|id| tree.tiles.get_pane(id).copied()).collect()
     }
 
     /// Whether a view is somewhere in the layout.
     pub(crate) fn holds(&self, view: DockView) -> bool {
-        self.tree().is_some_and(|tree| tree.tiles.find_pane(&view).is_some())
+        self.tree().tiles.find_pane(&view).is_some()
     }
 
     /// The view that the pointer is over.
@@ -128,8 +112,8 @@ impl Dock {
 
     /// The area that a view is hidden and shown with where it lies now; `None` for those in the middle.
     pub(crate) fn area_of(&self, view: DockView) -> Option<Area> {
-        let place = self.tree().and_then(|tree| Some((tree, tree.tiles.find_pane(&view)?)));
-        place.map_or(view.area(), |(tree, pane)| area_at(tree, pane))
+        let tree = self.tree();
+        tree.tiles.find_pane(&view).map_or(view.area(), |pane| area_at(tree, pane))
     }
 
     /// Shows or hides the views of an area, at any place.
@@ -158,8 +142,9 @@ impl Dock {
             let pane = tree.tiles.insert_pane(view);
             let beside = (tree.tiles.find_pane(&view.neighbor()))
                 .and_then(|neighbor| tree.tiles.parent_of(neighbor))
-                .or_else(|| tabs_of_area(tree, view));
-            match beside.or_else(|| first_tabs(tree).filter(|_| view.area() != Some(Area::Lower))) {
+                .or_else(|| first_tabs(tree, |area| area.is_some() && area == view.area()));
+            let anywhere = || first_tabs(tree, |_| view.area() != Some(Area::Lower));
+            match beside.or_else(anywhere) {
                 Some(tabs) => tree.move_tile_to_container(pane, tabs, usize::MAX, false),
                 None if tree.root().is_some() => layouts::put_below(tree, pane),
                 None => *tree = layouts::tree_of(workspace),
@@ -190,7 +175,7 @@ impl Dock {
         let DockBehavior { maximized, pointed_at, is_arranged, .. } = behavior;
         self.pointed_at = pointed_at;
         if is_arranged {
-            self.set_fitted(self.workspace, false);
+            self.fitted.remove(&self.workspace);
         }
         maximized
     }
@@ -206,11 +191,10 @@ fn leave_out_unknown(layout: &mut serde_json::Value) {
     }
 }
 
-/// Tabs that begin with a view of the same area, if it has one.
-fn tabs_of_area(tree: &Tree<DockView>, view: DockView) -> Option<TileId> {
-    let area = view.area()?;
-    let tabs = tree.tiles.tile_ids().filter(|tile| area_of_tabs(tree, *tile) == Some(area));
-    tabs.min_by_key(|id| id.0)
+/// The tabs that were there first, of those that begin with a view of a wanted area.
+fn first_tabs(tree: &Tree<DockView>, is_wanted: impl Fn(Option<Area>) -> bool) -> Option<TileId> {
+    let tabs = tree.tiles.iter().filter(|(_, tile)| matches!(tile, Tile::Container(Container::Tabs(_))));
+    tabs.map(|(id, _)| *id).filter(|id| is_wanted(area_of_tabs(tree, *id))).min_by_key(|id| id.0)
 }
 
 /// The area of the view that tabs begin with.
@@ -225,11 +209,6 @@ fn area_at(tree: &Tree<DockView>, pane: TileId) -> Option<Area> {
     let panel = tree.tiles.parent_of(pane).and_then(|tabs| area_of_tabs(tree, tabs));
     let is_panel = |area: Area| area != Area::Source;
     Some(panel.filter(|panel| is_panel(*panel) && is_panel(own)).unwrap_or(own))
-}
-
-fn first_tabs(tree: &Tree<DockView>) -> Option<TileId> {
-    let tabs = tree.tiles.iter().filter(|(_, tile)| matches!(tile, Tile::Container(Container::Tabs(_))));
-    tabs.map(|(id, _)| *id).min_by_key(|id| id.0)
 }
 
 /// Draws one view below its name; whether it is to be put back.
@@ -264,7 +243,7 @@ pub(crate) enum DockPart {
 }
 
 /// Draws the contents of a view on its surface, which is left out behind a picture: no graphics card may be there to draw it.
-pub(crate) fn contents_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
+fn contents_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     let surface = Tokens::in_ui(ui).surface;
     let behind = ui.painter().add(Shape::Noop);
     let frame = Frame::new().inner_margin(Margin::same(space::MEDIUM as i8)).show(ui, |ui| {
@@ -272,7 +251,7 @@ pub(crate) fn contents_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
         contents(ui);
     });
     let area = frame.response.rect;
-    let picture = widgets::picture_in(ui, area);
+    let picture = widgets::drawn_picture(ui.ctx(), |_, picture| area.contains_rect(picture));
     let around = picture.map_or_else(|| vec![area], |picture| around(area, picture).to_vec());
     let fills = around.into_iter().map(|part| Shape::rect_filled(part, 0.0, surface));
     ui.painter().set(behind, Shape::Vec(fills.collect()));
@@ -289,7 +268,7 @@ fn around(area: Rect, inside: Rect) -> [Rect; 4] {
 }
 
 /// The button that lets a view fill the window, or puts it back; whether it was clicked.
-pub(crate) fn maximize_button(ui: &mut Ui, view: DockView, is_maximized: bool) -> bool {
+fn maximize_button(ui: &mut Ui, view: DockView, is_maximized: bool) -> bool {
     let name = view.name_and_help().0;
     let (icon, name) = if is_maximized {
         (ICON_CLOSE_FULLSCREEN, format!("Restore {name}"))
@@ -301,14 +280,14 @@ pub(crate) fn maximize_button(ui: &mut Ui, view: DockView, is_maximized: bool) -
 }
 
 /// How tabs look and what they hold.
-pub(crate) struct DockBehavior<F> {
-    pub draw: F,
+struct DockBehavior<F> {
+    draw: F,
     /// The view that is to fill the window.
-    pub maximized: Option<DockView>,
+    maximized: Option<DockView>,
     /// The view under the pointer.
-    pub pointed_at: Option<DockView>,
+    pointed_at: Option<DockView>,
     /// Whether parts of the layout were resized or moved.
-    pub is_arranged: bool,
+    is_arranged: bool,
 }
 
 impl<F: FnMut(&mut Ui, DockView, DockPart)> Behavior<DockView> for DockBehavior<F> {
@@ -359,16 +338,14 @@ impl<F: FnMut(&mut Ui, DockView, DockPart)> Behavior<DockView> for DockBehavior<
     }
 
     fn is_tab_closable(&self, tiles: &Tiles<DockView>, tile: TileId) -> bool {
+        if let Some(DockView::Source | DockView::Live | DockView::Thresholds | DockView::Pixel) =
+            tiles.get_pane(&tile)
+        {
+            return false;
+        }
         // A row of crosses would be louder than the names: the tab in front has one, if it can be missed.
-        let in_front = tiles
-            .parent_of(tile)
-            .and_then(|parent| tiles.get_container(parent))
-            .is_some_and(|container| matches!(container, Container::Tabs(tabs) if tabs.is_active(tile)));
-        in_front
-            && !matches!(
-                tiles.get_pane(&tile),
-                Some(DockView::Source | DockView::Live | DockView::Thresholds | DockView::Pixel)
-            )
+        let container = tiles.parent_of(tile).and_then(|parent| tiles.get_container(parent));
+        matches!(container, Some(Container::Tabs(tabs)) if tabs.is_active(tile))
     }
 
     fn tab_bar_height(&self, _style: &Style) -> f32 {
@@ -416,18 +393,7 @@ mod tests {
     use egui::Vec2;
 
     #[test]
-    fn a_layout_survives_being_saved_and_nonsense_gives_the_first_one() {
-        let mut dock = Dock::new();
-        dock.open(DockView::Tradeoff);
-        let again = Dock::from_json(&dock.to_json());
-        assert!(again.holds(DockView::Tradeoff));
-        assert!(
-            !Dock::from_json("{").holds(DockView::Tradeoff) && Dock::from_json("{").holds(DockView::Live)
-        );
-    }
-
-    #[test]
-    fn each_workspace_keeps_its_layout() {
+    fn each_workspace_keeps_its_layout_and_nonsense_gives_the_first_one() {
         let mut dock = Dock::new();
         for (workspace, ..) in Workspace::ALL {
             dock.show_workspace(workspace);
@@ -440,6 +406,7 @@ mod tests {
         assert!(again.holds(DockView::Path));
         again.show_workspace(Workspace::Measure);
         assert!(!again.holds(DockView::Path));
+        assert_eq!(Dock::from_json("{").visible(), Dock::new().visible());
     }
 
     #[test]
@@ -523,7 +490,7 @@ mod tests {
             assert!((small - 0.26).abs() < 1e-6 && (large * 2560.0 - 380.0).abs() < 0.1, "{workspace:?}");
         }
         let mut dock = Dock::new();
-        dock.set_fitted(Workspace::Inspect, false);
+        dock.fitted.remove(&Workspace::Inspect);
         let again = Dock::from_json(&dock.to_json());
         assert!(!again.fitted.contains(&Workspace::Inspect));
         assert!(Dock::from_json(&Dock::new().to_json()).fitted.contains(&Workspace::Inspect));

@@ -325,7 +325,7 @@ pub(crate) fn notices_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
         return;
     }
     let area = egui::Area::new(Id::unique("notices")).order(Order::Foreground);
-    let area = match widgets::drawn_picture(ctx, "live picture") {
+    let area = match widgets::drawn_picture(ctx, |name, _| name == "live picture") {
         Some(picture) => {
             let right = ctx.content_rect().right() - WIDTH - space::LARGE;
             let corner = egui::pos2((picture.left() + 8.0).min(right), picture.bottom() - 8.0);
