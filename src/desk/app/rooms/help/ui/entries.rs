@@ -33,34 +33,23 @@ pub(crate) struct PaletteEntry {
 }
 
 impl PaletteEntry {
-    pub(crate) fn new(name: String, keys: &'static str, command: Command) -> Self {
-        Self { name, keys, command, why_not: None }
+    pub(crate) fn new(name: impl Into<String>, keys: &'static str, command: Command) -> Self {
+        Self { name: name.into(), keys, command, why_not: None }
     }
 }
 
-/// The keys that show a camera and view from it, of the first nine.
-const CAMERA_KEYS: [[&str; 2]; 9] = [
-    ["1", "Shift+1"],
-    ["2", "Shift+2"],
-    ["3", "Shift+3"],
-    ["4", "Shift+4"],
-    ["5", "Shift+5"],
-    ["6", "Shift+6"],
-    ["7", "Shift+7"],
-    ["8", "Shift+8"],
-    ["9", "Shift+9"],
-];
+/// The keys that show a camera, of the first nine.
+const SHOW_KEYS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", "9"];
+
+/// The keys that view from it.
+const VIEW_KEYS: [&str; 9] =
+    ["Shift+1", "Shift+2", "Shift+3", "Shift+4", "Shift+5", "Shift+6", "Shift+7", "Shift+8", "Shift+9"];
 
 /// All entries.
 pub(crate) fn entries(state: &State) -> Vec<PaletteEntry> {
-    let view_entries = view_entries(state).into_iter();
-    let mut entries: Vec<_> =
-        view_entries.map(|(name, keys, command)| PaletteEntry::new(name, keys, command)).collect();
     // A store was made by thresholds that cannot be changed any more.
     let turns = state.has_thresholds();
-    let mut add = |name: String, keys: &'static str, command: Command| {
-        entries.push(PaletteEntry::new(name, keys, command));
-    };
+    let mut entries = view_entries(state);
     for (name, keys, command) in fixed_commands(&state.doc.edits) {
         let changes_thresholds = matches!(
             command,
@@ -69,17 +58,12 @@ pub(crate) fn entries(state: &State) -> Vec<PaletteEntry> {
                 | Command::Settings(SettingsCommand::ResetAll | SettingsCommand::Switch)
         );
         if turns || !changes_thresholds {
-            add(name.to_owned(), keys, command);
+            entries.push(PaletteEntry::new(name, keys, command));
         }
     }
-    entries.push(PaletteEntry {
-        why_not: state.why_no_readings(),
-        ..PaletteEntry::new(
-            "Compare readings".to_owned(),
-            "",
-            Command::Reading(ReadingCommand::Compare(true)),
-        )
-    });
+    let compare = Command::Reading(ReadingCommand::Compare(true));
+    let why_not = state.why_no_readings();
+    entries.push(PaletteEntry { why_not, ..PaletteEntry::new("Compare readings", "", compare) });
     entries.extend(choices(state));
     entries.extend(settings(turns));
     entries
@@ -87,17 +71,19 @@ pub(crate) fn entries(state: &State) -> Vec<PaletteEntry> {
 
 /// Entries that are there whatever is open.
 fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command); 52] {
+    let ask = |purpose: Purpose| Command::File(FileCommand::AskPath(purpose));
+    let help = |page: HelpPage| Command::Window(WindowCommand::Help(Some(page)));
     let tool =
         |tool: EditTool| Command::Edit(EditCommand::Tools(EditTools { tool: Some(tool), ..edits.tools }));
     [
-        ("Open folder", "", Command::File(FileCommand::AskPath(Purpose::OpenFolder))),
-        ("Open file", "Ctrl+O", Command::File(FileCommand::AskPath(Purpose::OpenFile))),
-        ("Save settings", "", Command::File(FileCommand::AskPath(Purpose::SaveSettings))),
-        ("Load settings", "", Command::File(FileCommand::AskPath(Purpose::LoadSettings))),
-        ("Save edits", "", Command::File(FileCommand::AskPath(Purpose::SaveEdits))),
+        ("Open folder", "", ask(Purpose::OpenFolder)),
+        ("Open file", "Ctrl+O", ask(Purpose::OpenFile)),
+        ("Save settings", "", ask(Purpose::SaveSettings)),
+        ("Load settings", "", ask(Purpose::LoadSettings)),
+        ("Save edits", "", ask(Purpose::SaveEdits)),
         ("Copy as command line", "", Command::File(FileCommand::CopyCommandLine)),
-        ("Save session", "Ctrl+S", Command::File(FileCommand::AskPath(Purpose::SaveSession))),
-        ("Open edits", "", Command::File(FileCommand::AskPath(Purpose::LoadEdits))),
+        ("Save session", "Ctrl+S", ask(Purpose::SaveSession)),
+        ("Open edits", "", ask(Purpose::LoadEdits)),
         ("Edit: delete selection", "Delete", Command::Edit(EditCommand::Act(Action::Delete))),
         ("Edit: keep only the selection", "", Command::Edit(EditCommand::Act(Action::KeepOnly))),
         ("Edit: select by rectangle", "R", tool(EditTool::Rectangle)),
@@ -132,15 +118,11 @@ fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command);
         ("Light theme", "", Command::Window(WindowCommand::Dark(false))),
         ("Dark theme", "", Command::Window(WindowCommand::Dark(true))),
         ("Reset layout", "", Command::Window(WindowCommand::ResetLayout)),
-        ("Guide", "", Command::Window(WindowCommand::Help(Some(HelpPage::Guide(0))))),
-        ("What opens", "", Command::Window(WindowCommand::Help(Some(HelpPage::Sources)))),
-        (
-            "Keyboard and mouse shortcuts",
-            "?",
-            Command::Window(WindowCommand::Help(Some(HelpPage::Shortcuts))),
-        ),
-        ("Log", "", Command::Window(WindowCommand::Help(Some(HelpPage::Log)))),
-        ("About Overlook and its version", "", Command::Window(WindowCommand::Help(Some(HelpPage::About)))),
+        ("Guide", "", help(HelpPage::Guide(0))),
+        ("What opens", "", help(HelpPage::Sources)),
+        ("Keyboard and mouse shortcuts", "?", help(HelpPage::Shortcuts)),
+        ("Log", "", help(HelpPage::Log)),
+        ("About Overlook and its version", "", help(HelpPage::About)),
         ("Interface size: larger", "Ctrl++", Command::Window(WindowCommand::InterfaceSize(1))),
         ("Interface size: smaller", "Ctrl+−", Command::Window(WindowCommand::InterfaceSize(-1))),
         ("Interface size: normal", "Ctrl+0", Command::Window(WindowCommand::InterfaceSize(0))),
@@ -152,7 +134,6 @@ fn fixed_commands(edits: &SceneEdits) -> [(&'static str, &'static str, Command);
 /// What is chosen among views, overlays, presets, tables, scenes, files and cameras.
 fn choices(state: &State) -> Vec<PaletteEntry> {
     let mut entries = Vec::new();
-    let turns = state.has_thresholds();
     let mut add = |name: String, keys: &'static str, command: Command| {
         entries.push(PaletteEntry::new(name, keys, command));
     };
@@ -160,33 +141,24 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
         add(format!("Open view: {name}"), "", Command::Window(WindowCommand::OpenView(view)));
     }
     for (overlay, name, _) in state.overlays() {
-        add(
-            format!("Source shows: {name}"),
-            "",
-            Command::Source(SourceCommand::Look(SourceLook { overlay, ..state.source })),
-        );
+        let look = SourceLook { overlay, ..state.source };
+        add(format!("Source shows: {name}"), "", Command::Source(SourceCommand::Look(look)));
     }
     for (color_by, name, _) in state.live_colors() {
-        add(
-            format!("Live view shows: {name}"),
-            "",
-            Command::View(ViewCommand::look(&state.live, |live| live.color_by = color_by)),
-        );
+        let look = ViewCommand::look(&state.live, |live| live.color_by = color_by);
+        add(format!("Live view shows: {name}"), "", Command::View(look));
     }
     for (holes, name, _) in HoleDisplay::ALL {
         add(format!("Holes: {name}"), "H", Command::View(ViewCommand::Holes(holes)));
     }
-    for (name, _, change) in PRESETS.into_iter().filter(|_| turns) {
+    for (name, _, change) in PRESETS.into_iter().filter(|_| state.has_thresholds()) {
         let settings = Box::new(changed(change));
         add(format!("Preset: {name}"), "", Command::Settings(SettingsCommand::Preset(settings)));
     }
     for path in &state.recent {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        add(
-            format!("Open recent: {name}"),
-            "",
-            Command::File(FileCommand::Open(Opening::Path(path.clone()))),
-        );
+        let open = FileCommand::Open(Opening::Path(path.clone()));
+        add(format!("Open recent: {name}"), "", Command::File(open));
     }
     for (table, name, _) in Table::ALL {
         for (form, form_name, _) in TableForm::ALL {
@@ -198,13 +170,10 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
         add(format!("Demo: {name}"), "", Command::File(FileCommand::Open(Opening::Demo((*name).to_owned()))));
     }
     for (index, camera) in state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
-        let [show, view] = CAMERA_KEYS.get(index).copied().unwrap_or_default();
+        let [show, view] = [SHOW_KEYS, VIEW_KEYS].map(|keys| keys.get(index).copied().unwrap_or_default());
+        let leave_out = EditCommand::LeaveOut(vec![index]);
         add(format!("Show camera '{}'", camera.name), show, Command::Source(SourceCommand::Camera(index)));
-        add(
-            format!("Leave out camera '{}'", camera.name),
-            "",
-            Command::Edit(EditCommand::LeaveOut(vec![index])),
-        );
+        add(format!("Leave out camera '{}'", camera.name), "", Command::Edit(leave_out));
         add(format!("View from camera '{}'", camera.name), view, Command::View(ViewCommand::JumpTo(index)));
     }
     entries
@@ -213,64 +182,62 @@ fn choices(state: &State) -> Vec<PaletteEntry> {
 /// Every setting, and every value that one of them can be given by name; `turns` where thresholds can be changed.
 fn settings(turns: bool) -> Vec<PaletteEntry> {
     let mut entries = Vec::new();
-    let mut add = |name: String, keys: &'static str, command: Command| {
-        entries.push(PaletteEntry::new(name, keys, command));
-    };
+    let mut add =
+        |name: String, command| entries.push(PaletteEntry::new(name, "", Command::Settings(command)));
     for field in Settings::fields().filter(|field| turns || field.path.starts_with("render.")) {
-        let setting = model::setting_names::name(field.path);
-        add(format!("Setting: {setting}"), "", Command::Settings(SettingsCommand::Find(Some(field.path))));
+        let path = field.path;
+        let setting = model::setting_names::name(path);
+        add(format!("Setting: {setting}"), SettingsCommand::Find(Some(path)));
         let values: Vec<(String, toml::Value)> = match field.kind {
             ValueKind::Choice(names) => {
-                names.iter().map(|(value, _)| (choice(field.path, value), (*value).into())).collect()
+                names.iter().map(|(value, _)| (choice(path, value), (*value).into())).collect()
             }
             ValueKind::Switch => vec![("on".to_owned(), true.into()), ("off".to_owned(), false.into())],
             // Numbers are turned on their sliders.
             ValueKind::Number { .. } | ValueKind::Integer { .. } => Vec::new(),
         };
         for (name, value) in values {
-            add(
-                format!("{setting}: {name}"),
-                "",
-                Command::Settings(SettingsCommand::Set { path: field.path, value }),
-            );
+            add(format!("{setting}: {name}"), SettingsCommand::Set { path, value });
         }
     }
     entries
 }
 
-/// Names, keys and commands.
-pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)> {
-    let mut entries: Vec<(String, &'static str, Command)> = Workspace::ALL
-        .into_iter()
-        .map(|(workspace, name, _)| {
-            (format!("Workspace: {name}"), "Ctrl+1 – 4", Command::Window(WindowCommand::Workspace(workspace)))
-        })
-        .collect();
+/// What concerns the window, ways out, and the live view.
+fn view_entries(state: &State) -> Vec<PaletteEntry> {
+    let mut entries = Vec::new();
+    let mut add = |name: String, keys: &'static str, command: Command| {
+        entries.push(PaletteEntry::new(name, keys, command));
+    };
+    for (workspace, name, _) in Workspace::ALL {
+        let show = WindowCommand::Workspace(workspace);
+        add(format!("Workspace: {name}"), "Ctrl+1 – 4", Command::Window(show));
+    }
+    let show_or_hide = |hides: bool| if hides { "Show" } else { "Hide" };
     for (area, name, keys) in Area::ALL {
-        let shown = state.look.shows(area);
-        let verb = if shown { "Hide" } else { "Show" };
-        entries.push((
-            format!("{verb} the {}", name.to_lowercase()),
-            keys,
-            Command::Window(WindowCommand::ShowArea(area, !shown)),
-        ));
+        let hides = !state.look.shows(area);
+        let show = WindowCommand::ShowArea(area, hides);
+        add(format!("{} the {}", show_or_hide(hides), name.to_lowercase()), keys, Command::Window(show));
     }
     let hides = state.look.hides_totals;
-    let verb = if hides { "Show" } else { "Hide" };
-    entries.push((format!("{verb} the summary bar"), "", Command::Window(WindowCommand::ShowTotals(hides))));
-    entries.push(("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None))));
+    add(
+        format!("{} the summary bar", show_or_hide(hides)),
+        "",
+        Command::Window(WindowCommand::ShowTotals(hides)),
+    );
+    add("Share…".to_owned(), "Ctrl+E", Command::Share(ShareCommand::Open(None)));
     let copy = Command::Share(ShareCommand::CopyFigure(None));
-    entries.push(("Copy figure to the clipboard".to_owned(), "Ctrl+Shift+F", copy));
+    add("Copy figure to the clipboard".to_owned(), "Ctrl+Shift+F", copy);
     for study in Study::CHARTS {
-        let [copy, save] = chart_commands(study);
-        entries.push((format!("Copy the {}", study.chart_name()), "", copy));
-        entries.push((format!("Save the {}", study.chart_name()), "", save));
+        for (verb, command) in ["Copy", "Save"].into_iter().zip(chart_commands(study)) {
+            add(format!("{verb} the {}", study.chart_name()), "", command);
+        }
     }
     for (way, row) in WAYS {
-        entries.push((format!("Share: {}", row.name), "", Command::Share(ShareCommand::Open(Some(way)))));
+        add(format!("Share: {}", row.name), "", Command::Share(ShareCommand::Open(Some(way))));
     }
     for (name, keys, command) in view_commands(state) {
-        entries.push((name.to_owned(), keys, command));
+        add(name.to_owned(), keys, command);
     }
     for (name, keys, axis) in [
         ("+X", "Alt+X", DVec3::NEG_X),
@@ -280,48 +247,40 @@ pub(crate) fn view_entries(state: &State) -> Vec<(String, &'static str, Command)
         ("+Z", "Alt+Z", DVec3::NEG_Z),
         ("−Z", "Alt+Shift+Z", DVec3::Z),
     ] {
-        let command = Command::View(ViewCommand::LookAlong(axis));
-        entries.push((format!("View from {name}"), keys, command));
+        add(format!("View from {name}"), keys, Command::View(ViewCommand::LookAlong(axis)));
     }
     for (up, name, _) in UP_DIRECTIONS {
-        entries.push((format!("Up: {name}"), "", Command::View(ViewCommand::Up(up))));
+        add(format!("Up: {name}"), "", Command::View(ViewCommand::Up(up)));
     }
     for (guide, name, _) in FrameGuide::ALL {
-        let command = ViewCommand::look(&state.live, |live| live.guides.frame = guide);
-        entries.push((format!("Frame guide: {name}"), "", Command::View(command)));
+        let look = ViewCommand::look(&state.live, |live| live.guides.frame = guide);
+        add(format!("Frame guide: {name}"), "", Command::View(look));
     }
-    entries.push(("Keep view".to_owned(), "Ctrl+D", Command::View(ViewCommand::Kept(KeptViewCommand::Keep))));
-    let kept = state.doc.kept_views.iter().enumerate();
-    entries.extend(kept.map(|(index, kept)| {
-        (format!("Go to {}", kept.name), "", Command::View(ViewCommand::Kept(KeptViewCommand::GoTo(index))))
-    }));
-    let cameras = state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate());
-    entries.extend(cameras.map(|(index, camera)| {
-        let command = Command::View(ViewCommand::look(&state.live, |live| live.cameras.solo = Some(index)));
-        (format!("Solo camera {}", camera.name), "", command)
-    }));
+    let kept = |command: KeptViewCommand| Command::View(ViewCommand::Kept(command));
+    add("Keep view".to_owned(), "Ctrl+D", kept(KeptViewCommand::Keep));
+    for (index, view) in state.doc.kept_views.iter().enumerate() {
+        add(format!("Go to {}", view.name), "", kept(KeptViewCommand::GoTo(index)));
+    }
+    for (index, camera) in state.doc.scene.iter().flat_map(|scene| scene.cameras.iter().enumerate()) {
+        let look = ViewCommand::look(&state.live, |live| live.cameras.solo = Some(index));
+        add(format!("Solo camera {}", camera.name), "", Command::View(look));
+    }
     entries
 }
 
-/// Entries that are there whatever is open.
+/// Entries of the views that are there whatever is open.
 fn view_commands(state: &State) -> [(&'static str, &'static str, Command); 17] {
+    let look = |change: fn(&mut _)| Command::View(ViewCommand::look(&state.live, change));
     let timeline = &state.timeline;
     let time = |change: fn(&mut Timeline)| Command::Time(TimeCommand::change(timeline, change));
+    let ask = |purpose: Purpose| Command::File(FileCommand::AskPath(purpose));
     [
         ("Maximize or restore a view", "Shift+Space", Command::Window(WindowCommand::Maximize(None))),
         ("Full screen", "F11", Command::Window(WindowCommand::FullScreen)),
         ("Copy view", "Ctrl+C", Command::View(ViewCommand::Copy)),
         ("Paste view", "Ctrl+V", Command::View(ViewCommand::Paste)),
-        (
-            "Measure distance",
-            "M",
-            Command::View(ViewCommand::look(&state.live, |live| live.ruler.measure(true))),
-        ),
-        (
-            "Show all cameras' samples",
-            "",
-            Command::View(ViewCommand::look(&state.live, |live| live.cameras = ShownCameras::default())),
-        ),
+        ("Measure distance", "M", look(|live| live.ruler.measure(true))),
+        ("Show all cameras' samples", "", look(|live| live.cameras = ShownCameras::default())),
         ("Loop over all frames", "Shift+I", time(|timeline| timeline.range = None)),
         ("Mark this frame, or take its marker away", "Shift+M", time(Timeline::toggle_marker)),
         ("Next marker", "Ctrl+Right", Command::Time(TimeCommand::Frame(timeline.marker(true)))),
@@ -330,12 +289,8 @@ fn view_commands(state: &State) -> [(&'static str, &'static str, Command); 17] {
         ("Play around the ends", "", time(|timeline| timeline.ping_pong = false)),
         ("Copy the address of this view", "Ctrl+L", Command::View(ViewCommand::CopyAddress)),
         ("Reset colors", "", Command::Display(Display::default())),
-        ("Save camera path", "", Command::File(FileCommand::AskPath(Purpose::SavePath))),
-        ("Open camera path", "", Command::File(FileCommand::AskPath(Purpose::LoadPath))),
-        (
-            "Compare with pictures of another program",
-            "",
-            Command::File(FileCommand::AskPath(Purpose::OpenPictures)),
-        ),
+        ("Save camera path", "", ask(Purpose::SavePath)),
+        ("Open camera path", "", ask(Purpose::LoadPath)),
+        ("Compare with pictures of another program", "", ask(Purpose::OpenPictures)),
     ]
 }

@@ -104,20 +104,18 @@ fn sheet_ui(ctx: &egui::Context, commands: &mut Commands, title: &str, contents:
         let scroll = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
         scroll.auto_shrink([true, true]).show(ui, contents);
         ui.add_space(space::MEDIUM);
-        if ui.button("Close").accessible_name("Close help").clicked() {
-            commands.push(Command::Window(WindowCommand::Help(None)));
-        }
+        ui.button("Close").accessible_name("Close help").clicked()
     });
-    if modal.should_close() {
+    if modal.inner || modal.should_close() {
         commands.push(Command::Window(WindowCommand::Help(None)));
     }
 }
 
-/// Width of the list of what opens, points.
-const SOURCES: f32 = 560.0;
+/// Width of a page of lines of text, points.
+const TEXT_WIDTH: f32 = 560.0;
 
 fn sources_ui(ui: &mut Ui) {
-    ui.set_width(SOURCES.min(ui.available_width()));
+    ui.set_width(TEXT_WIDTH.min(ui.available_width()));
     ui.label("A store (.ovl), or the folder of a capture, which is known by what it holds:");
     for source in known_sources() {
         ui.add(Label::new(format!("• {source}")).wrap());
@@ -151,7 +149,7 @@ fn shortcuts_ui(ui: &mut Ui) {
 /// What happened, in order.
 fn log_ui(ui: &mut Ui, state: &State) {
     let tokens = Tokens::in_ui(ui);
-    ui.set_width(SOURCES.min(ui.available_width()));
+    ui.set_width(TEXT_WIDTH.min(ui.available_width()));
     let log = &state.inspector.log;
     let Some(first) = log.front() else {
         weak(ui, "Work that is done and trouble that is met appear here.");
@@ -178,15 +176,13 @@ fn about_ui(ui: &mut Ui, state: &State) {
     ui.add(Label::new(env!("CARGO_PKG_DESCRIPTION")).wrap());
     weak(ui, concat!("License: ", env!("CARGO_PKG_LICENSE")));
     ui.add_space(space::SMALL);
-    let graphics = state.inspector.graphics.as_deref();
-    ui.label(graphics.map_or_else(
-        || "Window drawn with OpenGL; the scene is rendered by the CPU.".to_owned(),
-        |adapter| format!("Graphics: {adapter}"),
-    ));
-    if graphics.is_some() {
+    if let Some(adapter) = &state.inspector.graphics {
+        ui.label(format!("Graphics: {adapter}"));
         let memory = state.inspector.graphics_memory;
         let told = memory.map_or_else(|| "not told by its driver".to_owned(), model::bytes);
         ui.label(format!("GPU memory in use: {told}"));
+    } else {
+        ui.label("Window drawn with OpenGL; the scene is rendered by the CPU.");
     }
     let held = state.inspector.held_memory.iter();
     let held: Vec<String> = held.map(|(part, bytes)| format!("{part}: {}", model::bytes(*bytes))).collect();
@@ -196,8 +192,7 @@ fn about_ui(ui: &mut Ui, state: &State) {
     if let Some(shown) = &state.doc.live_shown {
         ui.label(format!("Last picture rendered by: {}", shown.picture.painter));
     }
-    let instructions = overlook_engine::simd::widest();
-    ui.label(RichText::new(format!("CPU instructions: {instructions}")).color(Tokens::in_ui(ui).text));
+    ui.label(format!("CPU instructions: {}", overlook_engine::simd::widest()));
 }
 
 #[cfg(test)]
