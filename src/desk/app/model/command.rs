@@ -142,7 +142,6 @@ pub(crate) enum SettingsCommand {
         path: &'static str,
         value: toml::Value,
     },
-    Reset(&'static str),
     ResetAll,
     /// Take the settings of a preset.
     Preset(Box<Settings>),

@@ -133,7 +133,7 @@ fn a_kernel_changed_while_time_passes_leaves_no_accuracy_of_the_one_before() {
     step(&mut app);
     assert!(app.state.doc.accuracy.is_none());
     // Back again, still in motion: what was asked for before is asked for again.
-    app.apply(Command::Settings(SettingsCommand::Reset("render.kernel")));
+    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "gather".into() }));
     step(&mut app);
     app.apply(Command::Time(TimeCommand::TogglePlay));
     wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
@@ -150,7 +150,7 @@ fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
     app.apply(Command::Cancel);
     wait(&mut app, "the measuring to stop", |app| app.workers.measure.worker.is_idle());
     assert_ne!(app.state.doc.accuracy, Some(gathered), "shown with another kernel");
-    app.apply(Command::Settings(SettingsCommand::Reset("render.kernel")));
+    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "gather".into() }));
     wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
     // Measuring gives the same numbers each time.
     assert_eq!(app.state.doc.accuracy, Some(gathered));

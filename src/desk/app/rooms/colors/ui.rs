@@ -1,9 +1,11 @@
 //! How both views show color: exposure, offset, tone curve, channel and background, beside the histogram of the picture.
 
 use egui::{
-    Align2, Color32, DragValue, FontId, Painter, Rect, RichText, ScrollArea, Sense, Slider, Ui, pos2, vec2,
+    Align2, Color32, DragValue, FontId, Painter, Rect, Response, RichText, ScrollArea, Sense, Slider, Ui,
+    pos2, vec2,
 };
 
+use crate::app::colormap::opaque;
 use crate::app::model::command::{EditCommand, ViewCommand, WindowCommand};
 use crate::app::model::look::{
     Background, Channel, Display, EXPOSURES, LEVELS, PictureHistogram, ToneCurve, ValueLook, titled_value,
@@ -11,7 +13,7 @@ use crate::app::model::look::{
 use crate::app::model::picture::ColorBy;
 use crate::app::model::window::DockView;
 use crate::app::model::{self, Command, Commands, State};
-use crate::app::rooms::settings::ui::line;
+use crate::app::rooms::settings::ui::{bars, line};
 use crate::app::rooms::settings::{BARS, ThresholdAxis};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{choice_ui, fold_ui, heading_ui, note, segments_ui};
@@ -90,14 +92,8 @@ fn curve_ui(ui: &mut Ui, display: &mut Display) {
         display.curve = curve;
     }
     if display.curve == ToneCurve::Gamma {
-        slider_ui(
-            ui,
-            "Gamma",
-            "Displayed is linear to the power of 1/gamma.",
-            &mut display.gamma,
-            0.5..=4.0,
-            "",
-        );
+        let help = "Displayed is linear to the power of 1/gamma.";
+        slider_ui(ui, "Gamma", help, &mut display.gamma, 0.5..=4.0, "");
     }
     heading_ui(ui, "Channel");
     if let Some(channel) = segments_ui(ui, "Channel", display.channel, Channel::ALL) {
@@ -133,22 +129,13 @@ fn background_ui(ui: &mut Ui, display: &mut Display) {
 fn histogram_ui(ui: &mut Ui, name: &str, histogram: Option<&PictureHistogram>, why_not: &str) {
     heading_ui(ui, name);
     let tokens = Tokens::in_ui(ui);
-    let (area, response) =
-        ui.allocate_exact_size(vec2(ui.available_width() - space::MEDIUM, HEIGHT), Sense::hover());
-    response.widget_info(|| {
-        egui::WidgetInfo::labeled(
-            egui::Role::Image,
-            true,
-            format!("Histogram of the {}", name.to_lowercase()),
-        )
-    });
-    let painter = ui.painter_at(area);
+    let (area, _, painter) = room_ui(ui, HEIGHT, Sense::hover(), &format!("the {}", name.to_lowercase()));
     painter.rect_filled(area, 3.0, tokens.canvas);
     let Some(histogram) = histogram else {
         note(ui, why_not);
         return;
     };
-    bars(&painter, area, histogram);
+    channel_bars(&painter, area, histogram);
     let of = |count: u32| model::percent(u64::from(count), u64::from(histogram.pixels));
     let mut facts = format!("at white {} · at black {}", of(histogram.at_white), of(histogram.at_black));
     if histogram.not_finite > 0 {
@@ -157,8 +144,17 @@ fn histogram_ui(ui: &mut Ui, name: &str, histogram: Option<&PictureHistogram>, w
     note(ui, facts);
 }
 
+/// Room for the histogram of something, which is named for screen readers.
+fn room_ui(ui: &mut Ui, height: f32, sense: Sense, of: &str) -> (Rect, Response, Painter) {
+    let size = vec2(ui.available_width() - space::MEDIUM, height);
+    let (area, response) = ui.allocate_exact_size(size, sense);
+    let name = format!("Histogram of {of}");
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
+    (area, response, ui.painter_at(area))
+}
+
 /// Three channels over each other; heights are square roots, so that a few pixels show beside many.
-fn bars(painter: &Painter, area: Rect, histogram: &PictureHistogram) {
+fn channel_bars(painter: &Painter, area: Rect, histogram: &PictureHistogram) {
     let most = histogram.counts.iter().flatten().copied().max().unwrap_or(0).max(1) as f32;
     let width = area.width() / LEVELS as f32;
     let colors = [(230, 70, 60), (80, 190, 80), (70, 120, 240)];
@@ -194,15 +190,9 @@ fn value_histogram_ui(
     let tokens = Tokens::in_ui(ui);
     let values = values.unwrap_or_default();
     let range = look.range.unwrap_or(channel.range);
-    let (area, response) = ui.allocate_exact_size(
-        vec2(ui.available_width() - space::MEDIUM, VALUES_HEIGHT[0] + VALUES_HEIGHT[1]),
-        Sense::click_and_drag(),
-    );
-    response.widget_info(|| {
-        egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Histogram of {}", channel.name))
-    });
+    let height = VALUES_HEIGHT.iter().sum();
+    let (area, response, painter) = room_ui(ui, height, Sense::click_and_drag(), &channel.name);
     let plot = Rect::from_min_max(area.min + vec2(0.0, VALUES_HEIGHT[1]), area.max);
-    let painter = ui.painter_at(area);
     painter.rect_filled(plot, 3.0, tokens.canvas);
     let axis = axis_of(values, channel, range, look.scale);
     let x = |value: f32| plot.left() + axis.position(f64::from(value)) * plot.width();
@@ -211,26 +201,23 @@ fn value_histogram_ui(
         painter.rect_filled(band, 0.0, tokens.raised);
     }
     let colors = look.colors(channel);
-    value_bars(&painter, plot, values, axis, |value| {
-        colors.as_ref().map_or(tokens.text_weak, |colors| {
-            let [r, g, b] = colors.color(value);
-            Color32::from_rgb(r, g, b)
-        })
+    bars(&painter, plot, &counts(values, axis), |bar, _| {
+        let middle = axis.exact_value((bar as f32 + 0.5) / BARS as f32) as f32;
+        colors.as_ref().map_or(tokens.text_weak, |colors| opaque(colors.color(middle)))
     });
     let dragged = drag(ui, &response, range.map(x));
     for (end, value) in range.into_iter().enumerate() {
         line(&painter, plot, x(value), tokens.text, dragged.is_some_and(|(line, _)| line == end));
     }
     if let Some((end, pointer)) = dragged {
-        let value = axis.value((pointer - plot.left()) / plot.width()) as f32;
         let mut moved = range;
-        moved[end] = value;
+        moved[end] = axis.value((pointer - plot.left()) / plot.width()) as f32;
         if moved[0] < moved[1] && moved != range {
             look.range = Some(moved);
         }
     }
-    let within = values.partition_point(|value| *value <= range[1])
-        - values.partition_point(|value| *value < range[0]).min(values.len());
+    let up_to_high = values.partition_point(|value| *value <= range[1]);
+    let within = up_to_high.saturating_sub(values.partition_point(|value| *value < range[0]));
     let words = if values.is_empty() {
         "Counted once the view rests and shows the value.".to_owned()
     } else {
@@ -260,27 +247,6 @@ fn value_histogram_ui(
     });
 }
 
-/// A bar for each run of values, in its color.
-fn value_bars(
-    painter: &Painter,
-    plot: Rect,
-    values: &[f32],
-    axis: ThresholdAxis,
-    color: impl Fn(f32) -> Color32,
-) {
-    let counts = counts(values, axis);
-    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
-    for (index, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-        let ends = [index, index + 1].map(|bar| bar as f32 / BARS as f32);
-        let middle = axis.exact_value(f32::midpoint(ends[0], ends[1])) as f32;
-        // The logarithm lets rare values be seen beside frequent ones.
-        let height = (*count as f32).ln_1p() / most.ln_1p() * (plot.height() - 3.0);
-        let [left, right] = ends.map(|end| plot.left() + end * plot.width());
-        let bar = Rect::from_min_max(pos2(left, plot.bottom() - height), pos2(right - 0.5, plot.bottom()));
-        painter.rect_filled(bar, 0.0, color(middle));
-    }
-}
-
 /// All values, the range of the channel and the one that is set lie on it.
 fn axis_of(values: &[f32], channel: &ValueChannel, range: [f32; 2], scale: ValueScale) -> ThresholdAxis {
     let ends = values.first().into_iter().chain(values.last()).chain(&channel.range).chain(&range);
@@ -288,11 +254,11 @@ fn axis_of(values: &[f32], channel: &ValueChannel, range: [f32; 2], scale: Value
         .filter(|end| end.is_finite())
         .fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), end| (min.min(*end), max.max(*end)));
     let (min, max) = if min < max { (min, max) } else { (min.min(0.0), min.max(0.0) + 1.0) };
-    ThresholdAxis::over([min, max].map(f64::from), scale == ValueScale::Log && min > 0.0)
+    ThresholdAxis { min: min.into(), max: max.into(), log: scale == ValueScale::Log && min > 0.0 }
 }
 
 /// How many values lie in each bar.
-fn counts(values: &[f32], axis: ThresholdAxis) -> Vec<usize> {
+fn counts(values: &[f32], axis: ThresholdAxis) -> Vec<[u32; 1]> {
     let below = |bar: usize| {
         if bar == BARS {
             return values.len();
@@ -300,11 +266,11 @@ fn counts(values: &[f32], axis: ThresholdAxis) -> Vec<usize> {
         let end = axis.exact_value(bar as f32 / BARS as f32);
         values.partition_point(|value| f64::from(*value) < end)
     };
-    (0..BARS).map(|bar| below(bar + 1) - below(bar)).collect()
+    (0..BARS).map(|bar| [(below(bar + 1) - below(bar)) as u32]).collect()
 }
 
 /// The line that is dragged, of two by where they are, and where the pointer is.
-fn drag(ui: &Ui, response: &egui::Response, lines: [f32; 2]) -> Option<(usize, f32)> {
+fn drag(ui: &Ui, response: &Response, lines: [f32; 2]) -> Option<(usize, f32)> {
     let pointer = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())?.x;
     let nearest = || {
         let [low, high] = lines.map(|line| (line - pointer).abs());
@@ -331,11 +297,8 @@ pub(crate) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
     let Some((index, channel)) = look.channel_of(channels) else { return };
     heading_ui(ui, "Values");
     ui.horizontal(|ui| {
-        let choices: Vec<_> = channels
-            .iter()
-            .enumerate()
-            .map(|(nth, channel)| (nth, titled_value(channel), String::new()))
-            .collect();
+        let named = |(nth, channel): (usize, &ValueChannel)| (nth, titled_value(channel), String::new());
+        let choices: Vec<_> = channels.iter().enumerate().map(named).collect();
         if let Some(chosen) = choice_ui(ui, "Value", index, &choices, 150.0) {
             *look = ValueLook { channel: chosen, map: look.map, scale: look.scale, ..ValueLook::default() };
         }
@@ -388,12 +351,10 @@ pub(crate) fn values_ui(ui: &mut Ui, state: &State, look: &mut ValueLook, comman
 fn range_ui(ui: &mut Ui, name: &str, range: &mut [f32; 2], channel: &ValueChannel) -> bool {
     let speed = f64::from((channel.range[1] - channel.range[0]).abs().max(1e-6)) / 200.0;
     let [low, high] = range;
-    let mut ends = [(low, "from"), (high, "to")].into_iter().map(|(end, word)| {
+    [(low, "from"), (high, "to")].into_iter().fold(false, |changed, (end, word)| {
         let drag = DragValue::new(end).speed(speed).max_decimals(6);
-        ui.add(drag).accessible_name(format!("{name} {word}")).changed()
-    });
-    let changed = [ends.next(), ends.next()];
-    changed.contains(&Some(true))
+        ui.add(drag).accessible_name(format!("{name} {word}")).changed() || changed
+    })
 }
 
 #[cfg(test)]
@@ -413,10 +374,10 @@ mod tests {
         for (scale, in_first) in [(ValueScale::Linear, 2), (ValueScale::Log, 1)] {
             let axis = axis_of(&values, &channel, channel.range, scale);
             let counts = counts(&values, axis);
-            assert_eq!((counts.iter().sum::<usize>(), counts[0]), (100, in_first));
+            assert_eq!((counts.iter().flatten().sum::<u32>(), counts[0]), (100, [in_first]));
         }
         let flat = ValueChannel { range: [3.0, 3.0], ..channel };
         let axis = axis_of(&[3.0], &flat, flat.range, ValueScale::Linear);
-        assert_eq!(counts(&[3.0], axis).iter().sum::<usize>(), 1);
+        assert_eq!(counts(&[3.0], axis).iter().flatten().sum::<u32>(), 1);
     }
 }

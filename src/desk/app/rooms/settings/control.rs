@@ -16,11 +16,6 @@ impl OverlookApp {
     pub(crate) fn apply_to_settings(&mut self, command: SettingsCommand) {
         match command {
             SettingsCommand::Set { path, value } => self.set(path, value),
-            SettingsCommand::Reset(path) => {
-                if let Some(value) = Settings::default().get(path) {
-                    self.set(path, value);
-                }
-            }
             SettingsCommand::ResetAll => self.change_settings(Settings::default()),
             SettingsCommand::Switch => {
                 let settings = self.state.inspector.history.switch(&self.state.settings);

@@ -8,7 +8,6 @@ use overlook_engine::settings::{
     Field, Fill, Kernel, MixedPixels, PruningMethod, RateModel, Settings, SpanLevels, ValueKind,
 };
 
-/// Settings to start from.
 type Preset = (&'static str, &'static str, fn(&mut Settings));
 
 /// Settings to start from: name, purpose, and changes of the defaults.
@@ -69,29 +68,20 @@ pub(crate) const BARS: usize = 56;
 /// Lower end of logarithmic axes that begin at 0, as a share of the upper end.
 const SMALLEST_SHARE: f64 = 1e-4;
 
-/// The axis of a threshold: that of its slider.
+/// The axis of a threshold: that of its slider. On a logarithmic one both ends are above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ThresholdAxis {
-    min: f64,
-    max: f64,
-    log: bool,
+    pub min: f64,
+    pub max: f64,
+    pub log: bool,
 }
 
 impl ThresholdAxis {
     /// The axis of a setting; `None` where it is no number.
     pub(crate) fn of(field: &Field) -> Option<Self> {
-        match field.kind {
-            ValueKind::Number { min, max, log } => {
-                let min = if log { min.max(max * SMALLEST_SHARE) } else { min };
-                Some(Self { min, max, log })
-            }
-            _ => None,
-        }
-    }
-
-    /// An axis from one number to a larger one; `log` where both are above 0.
-    pub(crate) fn over([min, max]: [f64; 2], log: bool) -> Self {
-        Self { min, max, log }
+        let ValueKind::Number { min, max, log } = field.kind else { return None };
+        let min = if log { min.max(max * SMALLEST_SHARE) } else { min };
+        Some(Self { min, max, log })
     }
 
     /// The position of a value on the axis, 0 to 1.
@@ -160,10 +150,7 @@ impl ThresholdHistogram {
         let axis = Settings::fields().find(|field| field.path == path).and_then(ThresholdAxis::of)?;
         let mut bars = vec![[0; 2]; BARS];
         let mut sorted = Vec::with_capacity(values.len());
-        for (value, passes) in values {
-            if value.is_nan() {
-                continue;
-            }
+        for (value, passes) in values.into_iter().filter(|(value, _)| !value.is_nan()) {
             let bar = (axis.position(f64::from(value)) * BARS as f32) as usize;
             bars[bar.min(BARS - 1)][usize::from(!passes)] += 1;
             sorted.push(value);
@@ -191,15 +178,11 @@ mod tests {
 
     #[test]
     fn every_preset_is_valid_and_different() {
-        let all: Vec<Settings> = PRESETS
-            .iter()
-            .map(|(name, _, change)| {
-                let mut settings = Settings::default();
-                change(&mut settings);
-                settings.validate(name).unwrap();
-                settings
-            })
-            .collect();
+        let all = PRESETS.map(|(name, _, change)| {
+            let settings = changed(change);
+            settings.validate(name).unwrap();
+            settings
+        });
         for (i, a) in all.iter().enumerate() {
             assert!(all[i + 1..].iter().all(|b| a != b), "{}", PRESETS[i].0);
         }

@@ -40,13 +40,9 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         if !editable {
-            let text = "A store keeps the settings it was made with; only rendering can be changed.";
-            weak(ui, text);
+            weak(ui, "A store keeps the settings it was made with; only rendering can be changed.");
         }
-        let found = |section: &str| {
-            let found = state.inspector.find_setting.and_then(|path| path.split_once('.'));
-            found.is_some_and(|(of, _)| of == section)
-        };
+        let found = state.inspector.find_setting.and_then(|path| path.split('.').next());
         // What can be changed of a store comes first.
         let mut sections: Vec<_> = SECTIONS.iter().collect();
         if !editable {
@@ -56,7 +52,7 @@ pub(crate) fn settings_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             CollapsingHeader::new(RichText::new(*heading).strong())
                 .id_salt((*section, editable))
                 .default_open(*open && (editable || *section == "render"))
-                .open(found(section).then_some(true))
+                .open((found == Some(*section)).then_some(true))
                 .show_unindented(ui, |ui| {
                     if *section == "capture" {
                         let text =
@@ -124,25 +120,20 @@ fn field_ui(
 ) {
     let Some([value, default]) = values.of(field) else { return };
     let name = model::setting_names::name(field.path);
-    let changed = value != default;
     // The line on the histogram takes the place of a slider.
     let cuts = state.has_capture() && CUT.contains(&field.path);
-    ui.push_id(field.path, |ui| {
+    let changed_to = ui.push_id(field.path, |ui| {
         ui.add_space(2.0);
-        ui.horizontal(|ui| {
+        let beside_name = ui.horizontal(|ui| {
             let label = name_ui(ui, &name).on_hover_text(field.help);
             if state.inspector.find_setting == Some(field.path) {
                 label.scroll_to_me(Some(Align::Center));
-                ui.painter().rect_stroke(
-                    label.rect.expand(3.0),
-                    3.0,
-                    Stroke::new(1.5, Tokens::in_ui(ui).accent),
-                    egui::StrokeKind::Outside,
-                );
+                let stroke = Stroke::new(1.5, Tokens::in_ui(ui).accent);
+                ui.painter().rect_stroke(label.rect.expand(3.0), 3.0, stroke, egui::StrokeKind::Outside);
                 commands.push(Command::Settings(SettingsCommand::Find(None)));
             }
             note(ui, field.unit).on_hover_text(field.help);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let controls = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.add_space(space::MEDIUM);
                 let changed_to = match (field.kind, value) {
                     (ValueKind::Switch, toml::Value::Boolean(on)) => switch_ui(ui, field, &name, *on),
@@ -151,18 +142,20 @@ fn field_ui(
                     }
                     _ => None,
                 };
-                if let Some(value) = changed_to {
-                    commands.push(Command::Settings(SettingsCommand::Set { path: field.path, value }));
-                }
-                reset_ui(ui, field, changed, commands);
+                let resets = value != default && reset_ui(ui, &name);
+                resets.then(|| default.clone()).or(changed_to)
             });
+            controls.inner
         });
-        if let (Some(value), true) = (value.as_float(), cuts) {
-            histogram_ui(ui, field, &name, value, state, commands);
-        } else if let Some(value) = value_ui(ui, field, &name, value) {
-            commands.push(Command::Settings(SettingsCommand::Set { path: field.path, value }));
-        }
+        let below = match value.as_float() {
+            Some(value) if cuts => histogram_ui(ui, field, &name, value, state).map(Into::into),
+            _ => value_ui(ui, field, &name, value),
+        };
+        beside_name.inner.or(below)
     });
+    if let Some(value) = changed_to.inner {
+        commands.push(Command::Settings(SettingsCommand::Set { path: field.path, value }));
+    }
 }
 
 /// The name of a setting. It is drawn only: read out is the control beside it, which has the same name.
@@ -198,18 +191,11 @@ fn number_ui(
     (drag.changed() && !gave_up_number(ui.ctx())).then(|| number.into())
 }
 
-fn reset_ui(ui: &mut Ui, field: &'static Field, changed: bool, commands: &mut Commands) {
-    if !changed {
-        return;
-    }
+/// The button that gives a setting its default; whether it was clicked.
+fn reset_ui(ui: &mut Ui, name: &str) -> bool {
     let icon = ICON_RESTART_ALT.rich_text().size(14.0).color(Tokens::in_ui(ui).accent);
-    let button = ui.add(Button::new(icon).small().frame(false));
-    let button = button
-        .on_hover_text("Back to the default")
-        .accessible_name(format!("Reset {}", model::setting_names::name(field.path)));
-    if button.clicked() {
-        commands.push(Command::Settings(SettingsCommand::Reset(field.path)));
-    }
+    let button = ui.add(Button::new(icon).small().frame(false)).on_hover_text("Back to the default");
+    button.accessible_name(format!("Reset {name}")).clicked()
 }
 
 fn value_ui(ui: &mut Ui, field: &'static Field, name: &str, value: &toml::Value) -> Option<toml::Value> {
@@ -283,17 +269,10 @@ const BARS_HEIGHT: f32 = 40.0;
 /// Height of the figures above them.
 const FIGURES: f32 = 14.0;
 
-/// The histogram with its line; `name` names it for screen readers.
-pub(crate) fn histogram_ui(
-    ui: &mut Ui,
-    field: &'static Field,
-    name: &str,
-    value: f64,
-    state: &State,
-    commands: &mut Commands,
-) {
+/// The histogram with its line; `name` names it for screen readers. Gives the value that the line was dragged to.
+fn histogram_ui(ui: &mut Ui, field: &'static Field, name: &str, value: f64, state: &State) -> Option<f64> {
     let tokens = Tokens::in_ui(ui);
-    let Some(axis) = ThresholdAxis::of(field) else { return };
+    let axis = ThresholdAxis::of(field)?;
     let width = ui.available_width() - space::MEDIUM;
     let (rect, response) =
         ui.allocate_exact_size(vec2(width, FIGURES + BARS_HEIGHT), Sense::click_and_drag());
@@ -306,7 +285,13 @@ pub(crate) fn histogram_ui(
     let mut histograms = state.doc.histograms.iter();
     let histogram = histograms.find(|histogram| histogram.path == field.path && !histogram.is_empty());
     if let Some(histogram) = histogram {
-        bars(&painter, plot, axis, histogram, tokens);
+        if let Some(noise) = histogram.noise {
+            let right = plot.left() + axis.position(f64::from(noise)) * plot.width();
+            painter.rect_filled(plot.with_max_x(right), 3.0, tokens.raised);
+            painter.vline(right, plot.y_range(), Stroke::new(1.0, tokens.text_weak));
+        }
+        let colors = [tokens.static_over_time, tokens.moving];
+        bars(&painter, plot, &histogram.bars, |_, part| colors[part]);
     }
     let enabled = ui.is_enabled();
     let x = plot.left() + axis.position(value) * plot.width();
@@ -322,17 +307,10 @@ pub(crate) fn histogram_ui(
         let place = Rect::from_min_max(rect.min, pos2(rect.right(), plot.top()));
         ui.place(place, Label::new(words).selectable(false));
     }
-    if enabled
-        && response.is_pointer_button_down_on()
-        && let Some(pointer) = response.interact_pointer_pos()
-    {
-        let dragged = axis.value((pointer.x - plot.left()) / plot.width());
-        if (dragged - value).abs() > 1e-6 * value.abs() {
-            commands
-                .push(Command::Settings(SettingsCommand::Set { path: field.path, value: dragged.into() }));
-        }
-    }
     help_beside(&response, help_words(histogram, value));
+    let pointer = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())?;
+    let dragged = axis.value((pointer.x - plot.left()) / plot.width());
+    (enabled && (dragged - value).abs() > 1e-6 * value.abs()).then_some(dragged)
 }
 
 /// A line that can be dragged, with its handle.
@@ -368,27 +346,28 @@ fn at_frame(frame: usize) -> String {
     format!("at frame {}", frame + 1)
 }
 
-/// The bars, over the band that noise explains.
-fn bars(painter: &Painter, plot: Rect, axis: ThresholdAxis, histogram: &ThresholdHistogram, tokens: &Tokens) {
-    if let Some(noise) = histogram.noise {
-        let right = plot.left() + axis.position(f64::from(noise)) * plot.width();
-        let band = Rect::from_min_max(plot.min, pos2(right, plot.bottom()));
-        painter.rect_filled(band, 3.0, tokens.raised);
-        painter.vline(right, plot.y_range(), Stroke::new(1.0, tokens.text_weak));
-    }
+/// The bars of a histogram, each of parts one on the other; `color` is that of a part of a bar, by their indices.
+pub(crate) fn bars<const PARTS: usize>(
+    painter: &Painter,
+    plot: Rect,
+    bars: &[[u32; PARTS]],
+    color: impl Fn(usize, usize) -> Color32,
+) {
     // The logarithm lets rare values be seen beside frequent ones.
     let height = |count: u32| (count as f32).ln_1p();
-    let most = height(histogram.bars.iter().map(|bar| bar[0] + bar[1]).max().unwrap_or(0).max(1));
+    let totals = bars.iter().map(|bar| bar.iter().sum::<u32>());
+    let most = height(totals.clone().max().unwrap_or(0).max(1));
     let step = plot.width() / BARS as f32;
-    for (index, [passes, fails]) in histogram.bars.iter().enumerate() {
+    for (index, (bar, total)) in bars.iter().zip(totals).enumerate() {
         let left = plot.left() + index as f32 * step;
-        let total = height(passes + fails) / most * (plot.height() - 3.0);
-        let part = total * *passes as f32 / (passes + fails).max(1) as f32;
-        let bar = |from: f32, to: f32| {
-            Rect::from_min_max(pos2(left, plot.bottom() - to), pos2(left + step - 0.5, plot.bottom() - from))
-        };
-        painter.rect_filled(bar(0.0, part), 0.0, tokens.static_over_time);
-        painter.rect_filled(bar(part, total), 0.0, tokens.moving);
+        let of_one = height(total) / most * (plot.height() - 3.0) / total.max(1) as f32;
+        let mut bottom = plot.bottom();
+        for (part, count) in bar.iter().enumerate() {
+            let top = bottom - *count as f32 * of_one;
+            let area = Rect::from_min_max(pos2(left, top), pos2(left + step - 0.5, bottom));
+            painter.rect_filled(area, 0.0, color(index, part));
+            bottom = top;
+        }
     }
 }
 
@@ -396,7 +375,7 @@ fn bars(painter: &Painter, plot: Rect, axis: ThresholdAxis, histogram: &Threshol
 const LIST_WIDTH: f32 = 320.0;
 
 /// The button for undo, or for redo: it names the change, and a right click lists the next ones, to go back to any.
-pub(crate) fn undo_button_ui(ui: &mut Ui, state: &State, undo: bool, commands: &mut Commands) {
+fn undo_button_ui(ui: &mut Ui, state: &State, undo: bool, commands: &mut Commands) {
     let (icon, name, keys, command) = if undo {
         (ICON_UNDO, "Undo", "Ctrl+Z", Command::Undo)
     } else {

@@ -44,41 +44,28 @@ impl Wanted for HistogramRequest {
 pub(crate) fn histograms(request: &HistogramRequest) -> Message {
     let HistogramRequest { scene, inspection, scan, settings } = request;
     let scan = scan.as_deref().map(|scan| &**scan);
-    let noise = MedianNoise::of(scan);
-    let mut found: Vec<_> = of_pairs(inspection, &settings.pruning, noise).into_iter().flatten().collect();
+    let median = |of: fn(&CameraNoise) -> f32| {
+        let mut all: Vec<f32> = scan?.cameras.iter().map(|camera| of(&camera.noise)).collect();
+        median_f32(&mut all)
+    };
+    // Standard deviations: steps of 255, and shares of the depth; `None` where they were not measured.
+    let color = median(|noise| noise.color_steps_overall);
+    let depth = median(|noise| noise.depth_relative);
+    let mut found: Vec<_> = of_pairs(inspection, &settings.pruning, color).into_iter().flatten().collect();
     for histogram in &mut found {
         histogram.frame = Some(inspection.frame);
     }
     if let Some(scan) = scan {
-        found.extend(of_ranges(scan, settings, noise).into_iter().flatten());
+        found.extend(of_ranges(scan, settings, [color, depth]).into_iter().flatten());
     }
     Message::Histograms { scene: *scene, histograms: found }
-}
-
-/// Median noise over all cameras; `None` where it was not measured.
-#[derive(Clone, Copy)]
-struct MedianNoise {
-    /// Standard deviation of depth, as a share of it.
-    depth: Option<f32>,
-    /// Standard deviation of color, steps of 255.
-    color: Option<f32>,
-}
-
-impl MedianNoise {
-    fn of(scan: Option<&PreparedScan>) -> Self {
-        let median = |of: fn(&CameraNoise) -> f32| {
-            let mut all: Vec<f32> = scan?.cameras.iter().map(|camera| of(&camera.noise)).collect();
-            median_f32(&mut all)
-        };
-        Self { depth: median(|noise| noise.depth_relative), color: median(|noise| noise.color_steps_overall) }
-    }
 }
 
 /// Histograms of what the same-surface test compares.
 fn of_pairs(
     inspection: &FrameInspection,
     pruning: &PruningSettings,
-    noise: MedianNoise,
+    color_noise: Option<f32>,
 ) -> [Option<ThresholdHistogram>; 3] {
     let pairs = pair_quantities(inspection, AT_MOST);
     let near = |pair: &PairQuantities| pair.depth_tolerance_needed <= pruning.depth_tolerance;
@@ -105,7 +92,7 @@ fn of_pairs(
         ThresholdHistogram::new(
             "pruning.color_tolerance",
             "pairs of samples at one depth that face one way",
-            noise.color.map(|noise| noise * COLOR_SIGMAS * std::f32::consts::SQRT_2),
+            color_noise.map(|noise| noise * COLOR_SIGMAS * std::f32::consts::SQRT_2),
             counted(&|pair| near(pair) && facing(pair), &|pair| pair.color_difference_steps),
         ),
     ]
@@ -115,21 +102,22 @@ fn of_pairs(
 fn of_ranges(
     scan: &PreparedScan,
     settings: &Settings,
-    noise: MedianNoise,
+    noise: [Option<f32>; 2],
 ) -> [Option<ThresholdHistogram>; 2] {
     let granted = granted_range_sigmas(scan.frames);
+    let [color_noise, depth_noise] = noise.map(|noise| Some(noise? * granted));
     let [color, depth] = ranges(scan, settings);
     [
         ThresholdHistogram::new(
             "spans.color_tolerance",
             "pixels, by the range of their color over all frames",
-            noise.color.map(|noise| noise * granted),
+            color_noise,
             color,
         ),
         ThresholdHistogram::new(
             "spans.depth_tolerance",
             "pixels, by the range of their depth over all frames",
-            noise.depth.map(|noise| noise * granted),
+            depth_noise,
             depth,
         ),
     ]
