@@ -278,18 +278,8 @@ pub(crate) enum Legend {
         /// Pixels without depth.
         invalid: u64,
     },
-    /// Pixels per class.
-    Split {
-        /// Pixels that are the same over all frames.
-        background: u64,
-        /// Pixels that are the same over several frames.
-        lasting: u64,
-        /// Pixels of this frame alone.
-        foreground: u64,
-        invalid: u64,
-    },
-    /// Pixels by the votes of the other cameras.
-    Agreement { confirmed: u64, contradicted: u64, alone: u64, invalid: u64 },
+    /// Pixels of each class of *Motion* (all frames, several, one) or *Agreement* (confirmed, contradicted, neither); and without depth.
+    Classes { counts: [u64; 3], invalid: u64 },
     /// How far colors differ from those of other cameras, from 0 to [`VIEW_DEPENDENCE_RANGE`]. Counts pixels that differ visibly, that
     /// do not, and that no other camera shows finely enough.
     ViewDependence { visible: u64, alike: u64, unknown: u64 },

@@ -70,13 +70,9 @@ pub(crate) fn of_source(
             legend: vec![entry(dimmed(Color32::GRAY, UNKNOWN), empty_tiles(shares))],
             color_bar: Some(bar(["few kept", "", "all kept"], sequential)),
         },
-        Legend::Split { background, lasting, foreground, invalid } => {
-            let total = background + lasting + foreground + invalid;
-            shares(spans(tokens), [*background, *lasting, *foreground], *invalid, total)
-        }
-        Legend::Agreement { confirmed, contradicted, alone, invalid } => {
-            let total = confirmed + contradicted + alone + invalid;
-            shares(agreements(tokens), [*confirmed, *contradicted, *alone], *invalid, total)
+        Legend::Classes { counts, invalid } => {
+            let names = if overlay == Overlay::Split { spans(tokens) } else { agreements(tokens) };
+            shares(names, *counts, *invalid, counts.iter().sum::<u64>() + invalid)
         }
         Legend::ViewDependence { visible, alike, unknown } => {
             let total = visible + alike + unknown;

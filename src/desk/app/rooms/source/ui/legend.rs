@@ -1,6 +1,6 @@
 //! What the colors of a picture mean: color bars and swatches.
 
-use egui::{Align2, Color32, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{Align2, Color32, Label, Painter, Rect, Response, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
 use crate::app::colormap::{dimmed, diverging, opaque, sequential};
 use crate::app::model::command::SourceCommand;
@@ -11,10 +11,9 @@ use crate::app::model::picture::{
 use crate::app::model::{Command, Commands, State};
 use crate::app::rooms::source::work::{UNKNOWN, empty_tiles};
 use crate::app::theme::Tokens;
-use crate::app::widgets::one_line;
+use crate::app::widgets::{one_line, plate};
 use crate::app::{camera_cues, model};
 use overlook_engine::grid::Grid;
-use overlook_engine::preprocess::agreement::SampleAgreement;
 use overlook_engine::preprocess::inspect::VISIBLE_STEPS;
 use overlook_engine::render::{BACKGROUND_COLOR, MISSING_COLOR};
 use overlook_engine::samples::TILE;
@@ -55,103 +54,111 @@ pub(crate) fn source_legend_ui(
         Legend::Depth { near, far, without } => {
             let figure = |value: f32| model::significant(f64::from(value));
             bar_ui(ui, &format!("far {}", figure(*far)), &format!("near {}", figure(*near)), sequential);
-            if *without > 0.0 {
-                swatch_ui(ui, tokens.invalid, &format!("no depth {:.1} %", 100.0 * without));
-            }
+            no_depth_ui(ui, f64::from(*without));
         }
         Legend::Ratio { unknown } => {
             ratio_ui(ui, "this camera denser", "other denser");
-            unknown_ui(ui, f64::from(*unknown), "No other camera shows the point.");
+            let help = "No other camera shows the point.";
+            share_ui(ui, dimmed(Color32::GRAY, UNKNOWN), "seen once", f64::from(*unknown), help);
         }
         Legend::Tiles(shares) => {
             swatch_ui(ui, dimmed(Color32::GRAY, UNKNOWN), &empty_tiles(shares));
             bar_ui(ui, "few kept", "all kept", sequential);
         }
-        Legend::Split { background, lasting, foreground, invalid } => {
-            let total = background + lasting + foreground + invalid;
-            let counts = [*background, *lasting, *foreground];
-            for ((color, name), count) in spans(tokens).into_iter().zip(counts) {
-                swatch_ui(ui, color, &format!("{name} {}", model::percent(count, total)));
-            }
-            no_depth_ui(ui, *invalid, total);
-        }
-        Legend::Agreement { confirmed, contradicted, alone, invalid } => {
-            let total = confirmed + contradicted + alone + invalid;
-            let shares = [*confirmed, *contradicted, *alone].map(|count| model::percent(count, total));
-            for ((found, name, help), share) in AGREEMENTS.into_iter().zip(shares) {
-                swatch_ui(ui, tokens.of_agreement(found), &format!("{name} {share}")).on_hover_text(help);
-            }
-            no_depth_ui(ui, *invalid, total);
+        Legend::Classes { counts, invalid } => {
+            let total = counts.iter().sum::<u64>() + invalid;
+            let classes = if key.overlay == Overlay::Split { spans(tokens) } else { agreements(tokens) };
+            classes_ui(ui, classes, Some((*counts, total)));
+            no_depth_ui(ui, share(*invalid, total));
         }
         Legend::ViewDependence { visible, alike, unknown } => {
-            view_dependence_ui(ui, *visible, *unknown, visible + alike + unknown);
+            let total = visible + alike + unknown;
+            bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} of 255"), sequential);
+            let differs = format!("noticeable {}", model::percent(*visible, total));
+            ui.label(RichText::new(differs).small()).on_hover_text(format!(
+                "Differs by {VISIBLE_STEPS:.0} or more of 255 steps: the eye sees two colors.",
+            ));
+            let help = "No other camera shows the point about as finely.";
+            share_ui(ui, dimmed(Color32::GRAY, UNKNOWN), "seen once", share(*unknown, total), help);
         }
         Legend::Winners { kept, lost_to, dropped, invalid } => {
             let total = kept + dropped + invalid + lost_to.iter().sum::<u64>();
             let label = RichText::new(format!("kept {}", model::percent(*kept, total)));
             ui.label(label.small()).on_hover_text("Kept pixels show their own picture.");
-            no_depth_ui(ui, *invalid, total);
-            if *dropped > 0 {
-                swatch_ui(ui, tokens.hole, &format!("dropped {}", model::percent(*dropped, total)))
-                    .on_hover_text(
-                        "Dropped without a witness: contradicted by other cameras, or edge-blended.",
-                    );
-            }
+            no_depth_ui(ui, share(*invalid, total));
+            let help = "Dropped without a witness: contradicted by other cameras, or edge-blended.";
+            share_ui(ui, tokens.hole, "dropped", share(*dropped, total), help);
             winners_ui(ui, state, lost_to, total, commands);
         }
     });
 }
 
-/// How far colors of a point differ between cameras, with the shares of pixels that differ visibly and that one camera alone shows.
-fn view_dependence_ui(ui: &mut Ui, visible: u64, unknown: u64, total: u64) {
-    bar_ui(ui, "0", &format!("{VIEW_DEPENDENCE_RANGE:.0} of 255"), sequential);
-    let differs = format!("noticeable {}", model::percent(visible, total));
-    ui.label(RichText::new(differs).small()).on_hover_text(format!(
-        "Differs by {VISIBLE_STEPS:.0} or more of 255 steps: the eye sees two colors.",
-    ));
-    let share = unknown as f64 / total.max(1) as f64;
-    unknown_ui(ui, share, "No other camera shows the point about as finely.");
+/// The share of `part` in `whole`, 0 to 1.
+fn share(part: u64, whole: u64) -> f64 {
+    part as f64 / whole.max(1) as f64
 }
 
-/// The dimmed picture of what one camera alone shows, where there is any, with its share, 0 to 1.
-fn unknown_ui(ui: &mut Ui, share: f64, help: &str) {
+/// A color with its share of the picture, 0 to 1, where it has any.
+fn share_ui(ui: &mut Ui, color: Color32, name: &str, share: f64, help: &str) {
     if share > 0.0 {
-        let name = format!("seen once {:.1} %", 100.0 * share);
-        swatch_ui(ui, dimmed(Color32::GRAY, UNKNOWN), &name).on_hover_text(help);
+        swatch_ui(ui, color, &format!("{name} {:.1} %", 100.0 * share)).on_hover_text(help);
     }
 }
 
-/// The gray of pixels without depth, where there are any, with their share.
-fn no_depth_ui(ui: &mut Ui, invalid: u64, total: u64) {
-    if invalid > 0 {
-        let name = format!("no depth {}", model::percent(invalid, total));
-        swatch_ui(ui, Tokens::in_ui(ui).invalid, &name)
-            .on_hover_text("The camera recorded no depth here: these pixels take part in nothing.");
+/// The gray of pixels without depth.
+fn no_depth_ui(ui: &mut Ui, share: f64) {
+    let help = "The camera recorded no depth here: these pixels take part in nothing.";
+    share_ui(ui, Tokens::in_ui(ui).invalid, "no depth", share, help);
+}
+
+/// Three classes of samples, in the colors of both views: color, name and, where the name does not say it, what it means.
+type Classes = [(Color32, &'static str, &'static str); 3];
+
+/// How samples agree with other cameras.
+fn agreements(tokens: &Tokens) -> Classes {
+    [
+        (
+            tokens.confirmed,
+            "confirmed",
+            "Another camera sees the surface where this one has it, and no majority contradicts it.",
+        ),
+        (
+            tokens.contradicted,
+            "contradicted",
+            "More cameras see a surface behind this one than see this one, its own camera counted among the latter. \
+             A cross-camera check by majority drops such samples.",
+        ),
+        (tokens.alone, "alone", "No other camera confirms it, and no majority contradicts it."),
+    ]
+}
+
+/// For how long samples are stored.
+fn spans(tokens: &Tokens) -> Classes {
+    [
+        (tokens.static_over_time, "all frames", ""),
+        (tokens.lasting, "several", ""),
+        (tokens.moving, "this frame", ""),
+    ]
+}
+
+/// Classes, where that is known each with its count of all pixels.
+fn classes_ui(ui: &mut Ui, classes: Classes, counts: Option<([u64; 3], u64)>) {
+    for (index, (color, name, help)) in classes.into_iter().enumerate() {
+        let share = counts.map(|(counts, total)| model::percent(counts[index], total));
+        let entry = swatch_ui(ui, color, &with_share(name, share.as_ref()));
+        if !help.is_empty() {
+            entry.on_hover_text(help);
+        }
     }
 }
 
-/// How samples agree with other cameras, with name and help.
-const AGREEMENTS: [(SampleAgreement, &str, &str); 3] = [
-    (
-        SampleAgreement::Confirmed,
-        "confirmed",
-        "Another camera sees the surface where this one has it, and no majority contradicts it.",
-    ),
-    (
-        SampleAgreement::Contradicted,
-        "contradicted",
-        "More cameras see a surface behind this one than see this one, its own camera counted among the latter. \
-         A cross-camera check by majority drops such samples.",
-    ),
-    (SampleAgreement::Alone, "alone", "No other camera confirms it, and no majority contradicts it."),
-];
-
-/// For how long samples are stored, in the colors of both views.
-fn spans(tokens: &Tokens) -> [(Color32, &'static str); 3] {
-    [(tokens.static_over_time, "all frames"), (tokens.lasting, "several"), (tokens.moving, "this frame")]
+/// A name, with a share behind it where that is known.
+fn with_share(name: &str, share: Option<&String>) -> String {
+    share.map_or_else(|| name.to_owned(), |share| format!("{name} {share}"))
 }
 
-/// Cameras with the share of pixels that each won, most first. A list holds cameras without room, and those that the picture shows as *others*. While the pointer is on a name, the picture shows that camera alone.
+/// Cameras with the share of pixels that each won, most first; *others* are those that the picture shows as such, too. While the pointer
+/// is on a name, the picture shows that camera alone.
 fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64, commands: &mut Commands) {
     let cameras = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
     let (ranked, named) = ranked(won_by);
@@ -160,57 +167,24 @@ fn winners_ui(ui: &mut Ui, state: &State, won_by: &[u64], total: u64, commands: 
         Some((camera, format!("{name} {}", model::percent(won_by[camera], total))))
     };
     let entries: Vec<_> = ranked.iter().filter_map(|camera| entry(*camera)).collect();
-    let mut hovered = None;
-    let shown = cameras_that_fit(ui, &entries[..named.min(entries.len())], 0.0);
-    for (camera, name) in &entries[..shown] {
-        if camera_ui(ui, *camera, name).hovered() {
-            hovered = Some(*camera);
-        }
-    }
-    let others = &entries[shown..];
-    if !others.is_empty() {
+    let hovered = cameras_ui(ui, &entries, named, 0.0, |others| {
         let count: u64 = others.iter().map(|(camera, _)| won_by[*camera]).sum();
-        let label = format!("others ({}) {}", others.len(), model::percent(count, total));
-        hovered = others_ui(ui, &label, others).or(hovered);
-    }
+        format!(" {}", model::percent(count, total))
+    });
     if hovered != state.doc.isolated {
         commands.push(Command::Source(SourceCommand::Isolate(hovered)));
     }
 }
 
-/// A list of cameras that opens at a click; gives the one under the pointer.
-fn others_ui(ui: &mut Ui, label: &str, others: &[(usize, String)]) -> Option<usize> {
-    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    ui.painter().rect_filled(rect, 2.0, Tokens::in_ui(ui).text_weak);
-    let button = egui::Button::new(RichText::new(label).small()).small();
-    let (_, list) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
-        let mut hovered = None;
-        ScrollArea::vertical().max_height(300.0).show_rows(ui, LINE, others.len(), |ui, rows| {
-            for (camera, name) in &others[rows] {
-                ui.horizontal(|ui| {
-                    if camera_ui(ui, *camera, name).hovered() {
-                        hovered = Some(*camera);
-                    }
-                });
-            }
-        });
-        hovered
-    });
-    list.and_then(|list| list.inner)
-}
-
-/// The sign of a camera with words beside it.
-fn camera_ui(ui: &mut Ui, camera: usize, words: &str) -> Response {
-    ui.spacing_mut().item_spacing.x = 5.0;
-    let sign = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    camera_cues::sign(ui.painter(), sign.0, camera);
-    let response = ui.add(egui::Label::new(RichText::new(words).small()).sense(Sense::hover()));
-    ui.add_space(6.0);
-    response.union(sign.1)
-}
-
-/// How many entries fit before the last `reserved` points of the line.
-fn cameras_that_fit(ui: &Ui, entries: &[(usize, String)], reserved: f32) -> usize {
+/// The first `most` of some cameras with words beside each, as far as they fit before the last `reserved` points of the line, and a list
+/// of the others that opens at a click; `of_others` is said of these. Gives the camera under the pointer.
+fn cameras_ui(
+    ui: &mut Ui,
+    entries: &[(usize, String)],
+    most: usize,
+    reserved: f32,
+    of_others: impl Fn(&[(usize, String)]) -> String,
+) -> Option<usize> {
     let font = egui::TextStyle::Small.resolve(ui.style());
     let mut room = ui.available_width() - reserved - MORE_WIDTH;
     let fits = |(_, name): &&(usize, String)| {
@@ -218,7 +192,30 @@ fn cameras_that_fit(ui: &Ui, entries: &[(usize, String)], reserved: f32) -> usiz
         room -= galley.size().x + SWATCH_WIDTH;
         room >= 0.0
     };
-    entries.iter().take_while(fits).count()
+    let (shown, others) = entries.split_at(entries.iter().take(most).take_while(fits).count());
+    let mut hovered = None;
+    let mut camera_ui = |ui: &mut Ui, (camera, words): &(usize, String)| {
+        if entry_ui(ui, words, |painter, area| camera_cues::sign(painter, area, *camera)).hovered() {
+            hovered = Some(*camera);
+        }
+    };
+    for entry in shown {
+        camera_ui(ui, entry);
+    }
+    if !others.is_empty() {
+        let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, Tokens::in_ui(ui).text_weak);
+        let label = format!("others ({}){}", others.len(), of_others(others));
+        let button = egui::Button::new(RichText::new(label).small()).small();
+        egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+            ScrollArea::vertical().max_height(300.0).show_rows(ui, LINE, others.len(), |ui, rows| {
+                for entry in &others[rows] {
+                    ui.horizontal(|ui| camera_ui(ui, entry));
+                }
+            });
+        });
+    }
+    hovered
 }
 
 pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
@@ -230,32 +227,14 @@ pub(crate) fn live_legend_ui(ui: &mut Ui, state: &State) {
                 let cameras = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
                 let entries: Vec<_> =
                     cameras.iter().enumerate().map(|(index, camera)| (index, camera.name.clone())).collect();
-                let shown = cameras_that_fit(ui, &entries, HOLE_WIDTH);
-                for (camera, name) in &entries[..shown] {
-                    camera_ui(ui, *camera, name);
-                }
-                if shown < entries.len() {
-                    let label = format!("others ({})", entries.len() - shown);
-                    others_ui(ui, &label, &entries[shown..]);
-                }
+                cameras_ui(ui, &entries, entries.len(), HOLE_WIDTH, |_| String::new());
             }
-            ColorBy::Agreement if state.has_capture() => {
-                for (found, name, help) in AGREEMENTS {
-                    swatch_ui(ui, tokens.of_agreement(found), name).on_hover_text(help);
-                }
-            }
+            ColorBy::Agreement if state.has_capture() => classes_ui(ui, agreements(tokens), None),
             ColorBy::Agreement => {
-                one_line(
-                    ui,
-                    "A store does not record agreement; open its capture for that.",
-                    tokens.text_weak,
-                );
+                let text = "A store does not record agreement; open its capture for that.";
+                one_line(ui, text, tokens.text_weak);
             }
-            ColorBy::Span => {
-                for (color, name) in spans(tokens) {
-                    swatch_ui(ui, color, name);
-                }
-            }
+            ColorBy::Span => classes_ui(ui, spans(tokens), None),
             ColorBy::SamplingRate => ratio_ui(ui, "denser than pixels", "coarser"),
             ColorBy::Value => value_ui(ui, state),
         }
@@ -285,8 +264,7 @@ fn holes_ui(ui: &mut Ui, state: &State) {
         let sky = if state.holes_shown() == HoleDisplay::Hatched { 0 } else { sky.min(holes) };
         [model::percent(holes - sky, pixels), model::percent(sky, pixels)]
     });
-    let share = shares.as_ref().map(|[unseen, _]| unseen);
-    let named = |name: &str| share.map_or_else(|| name.to_owned(), |share| format!("{name} {share}"));
+    let named = |name: &str| with_share(name, shares.as_ref().map(|[unseen, _]| unseen));
     match state.holes_shown() {
         HoleDisplay::Filled => {
             let name = named("filled (invented)");
@@ -322,7 +300,6 @@ pub(crate) fn tile_shares(
     if tile < 30.0 {
         return;
     }
-    let font = egui::FontId::proportional(11.0);
     for tile_y in 0..shares.height() {
         for tile_x in 0..shares.width() {
             let center = picture.min + vec2(tile_x as f32 + 0.5, tile_y as f32 + 0.5) * tile;
@@ -330,10 +307,7 @@ pub(crate) fn tile_shares(
                 continue;
             }
             let text = format!("{:.0}", shares[(tile_x, tile_y)] * 100.0);
-            let galley = painter.layout_no_wrap(text, font.clone(), tokens.on_scrim);
-            let plate = Rect::from_center_size(center, galley.size() + vec2(6.0, 2.0));
-            painter.rect_filled(plate, 3.0, tokens.scrim);
-            painter.galley(plate.min + vec2(3.0, 1.0), galley, tokens.on_scrim);
+            plate(painter, center, Align2::CENTER_CENTER, &text, tokens);
         }
     }
 }
@@ -345,13 +319,21 @@ fn line_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     });
 }
 
+/// A color with its name beside it.
 pub(crate) fn swatch_ui(ui: &mut Ui, color: Color32, name: &str) -> Response {
+    entry_ui(ui, name, |painter, area| {
+        painter.rect_filled(area, 2.0, color);
+    })
+}
+
+/// What is painted into a small square, with words beside it.
+fn entry_ui(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Rect)) -> Response {
     ui.spacing_mut().item_spacing.x = 5.0;
-    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    ui.painter().rect_filled(rect, 2.0, color);
-    let response = ui.label(RichText::new(name).small());
+    let (area, square) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    paint(ui.painter(), area);
+    let response = ui.add(Label::new(RichText::new(words).small()).sense(Sense::hover()));
     ui.add_space(6.0);
-    response
+    response.union(square)
 }
 
 /// A color bar, `width` wide, between the names of its ends.

@@ -2,7 +2,7 @@
 
 pub(crate) mod legend;
 
-use egui::{Painter, PointerButton, Rect, Response, Sense, Ui, Vec2, vec2};
+use egui::{Painter, PointerButton, Rect, Response, Sense, Ui, Vec2};
 use egui_material_icons::icons::ICON_HIDE_IMAGE;
 use glam::DVec2;
 
@@ -15,7 +15,7 @@ use crate::app::model::purpose::{FigureOf, Purpose};
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::picture_menu::picture_menu_ui;
 use crate::app::rooms;
-use crate::app::rooms::cameras::mark;
+use crate::app::rooms::cameras::mark_probe;
 use crate::app::rooms::edits::ui::drawing::{self, Drawn, PicturePlace};
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::pixel::{FAILED_FRAME, pending_verdict};
@@ -47,11 +47,11 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
         });
         return;
     }
-    header_ui(ui, state, commands);
-    let canvas = Rect::from_min_max(
-        ui.available_rect_before_wrap().min,
-        ui.available_rect_before_wrap().max - vec2(0.0, FOOTER),
-    );
+    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, state.overlays()) {
+        commands.push(Command::Source(SourceCommand::Look(SourceLook { overlay, ..state.source })));
+    }
+    let available = ui.available_rect_before_wrap();
+    let canvas = available.with_max_y(available.bottom() - FOOTER);
     let hovered = picture_ui(ui, canvas, state, commands);
     ui.allocate_rect(canvas, Sense::hover());
     ui.add_space(2.0);
@@ -61,12 +61,6 @@ pub(crate) fn source_view_ui(ui: &mut Ui, state: &State, commands: &mut Commands
     readout_ui(ui, state, hovered);
 }
 
-fn header_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    if let Some(overlay) = segments_ui(ui, "Source shows", state.source.overlay, state.overlays()) {
-        commands.push(Command::Source(SourceCommand::Look(SourceLook { overlay, ..state.source })));
-    }
-}
-
 /// Which camera, and for the sampling ratio against which; from right to left.
 pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let Some(scene) = state.doc.scene.as_ref().filter(|_| state.has_source()) else { return };
@@ -74,8 +68,7 @@ pub(crate) fn cameras_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if state.source.overlay == Overlay::SamplingRatio {
         let others = cameras.iter().filter(|(index, ..)| *index != state.source.camera);
         let others = others.map(|(index, name, help)| (Some(*index), *name, *help));
-        let best = (None, "best other", "");
-        let others: Vec<_> = std::iter::once(best).chain(others).collect();
+        let others: Vec<_> = std::iter::once((None, "best other", "")).chain(others).collect();
         if let Some(against) = choice_ui(ui, "Against", state.source.against, &others, CAMERA_LIST_WIDTH) {
             commands.push(Command::Source(SourceCommand::Look(SourceLook { against, ..state.source })));
         }
@@ -108,36 +101,28 @@ fn picture_ui(ui: &mut Ui, canvas: Rect, state: &State, commands: &mut Commands)
     picture_menu_ui(&response, FigureOf::Source, state, commands);
     let is_taken = draw_ui(ui, &response, &painter, &place, state, commands);
     zoom_and_pan(ui, &response, picture, state, is_taken, commands);
-    widgets::note_picture(ui, picture.intersect(canvas), "source picture");
-    let probe = &state.doc.probe;
-    let shown_camera = shown.key.camera;
-    let probed = state.doc.scene.as_ref().zip(probe.shown.as_ref());
-    if let Some((at, sees)) =
-        probed.and_then(|(scene, probed)| probed.in_camera(&scene.cameras, shown_camera))
-    {
-        let painter = painter.with_clip_rect(picture.intersect(canvas));
-        if probe.pinned || widgets::points_at_picture(ui.ctx()) {
-            mark(&painter, picture.min + at.to_vec2() * scale, sees, probe.pinned, tokens);
-        }
+    widgets::note_picture(ui, place.shown, "source picture");
+    if state.doc.probe.pinned || widgets::points_at_picture(ui.ctx()) {
+        mark_probe(&painter.with_clip_rect(place.shown), picture, state, shown.key.camera);
     }
     let pointer = response.hover_pos()?;
     let at = (pointer - picture.min) / scale;
-    let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < size.x && at.y < size.y;
-    if inside {
-        let spot = Spot::Source { camera: shown_camera, x: at.x as usize, y: at.y as usize };
-        if !is_taken {
-            point_at(&response, spot, state, commands);
-        }
-        if let Legend::Tiles(shares) = &shown.picture.legend {
-            tile_tooltip(response, shares, [at.x as usize, at.y as usize], shown.picture.size);
-        }
+    if at.min_elem() < 0.0 || at.x >= size.x || at.y >= size.y {
+        return None;
     }
-    if inside && scale > 2.0 {
-        let corner = picture.min + vec2(at.x.floor(), at.y.floor()) * scale;
+    let (x, y) = (at.x as usize, at.y as usize);
+    if !is_taken {
+        point_at(&response, Spot::Source { camera: shown.key.camera, x, y }, state, commands);
+    }
+    if let Legend::Tiles(shares) = &shown.picture.legend {
+        tile_tooltip(response, shares, [x, y], shown.picture.size);
+    }
+    if scale > 2.0 {
+        let corner = picture.min + at.floor() * scale;
         let pixel = Rect::from_min_size(corner, Vec2::splat(scale));
         painter.rect_stroke(pixel, 0.0, egui::Stroke::new(1.0, tokens.on_scrim), egui::StrokeKind::Outside);
     }
-    inside.then_some((at.x as usize, at.y as usize))
+    Some((x, y))
 }
 
 /// The kept share of the tile under the pointer.
@@ -199,11 +184,8 @@ fn draw_ui(
         Some(EditTool::Mask) => {
             let drawn = drawing::drawing_ui(ui, response, painter, place, state);
             let strokes = drawn.filter(|drawn| drawn.is_done).map_or_else(Vec::new, |drawn| drawn.strokes);
-            commands.extend(
-                strokes
-                    .into_iter()
-                    .map(|stroke| Command::Edit(EditCommand::Mask { camera: camera.name.clone(), stroke })),
-            );
+            let mask = |stroke| Command::Edit(EditCommand::Mask { camera: camera.name.clone(), stroke });
+            commands.extend(strokes.into_iter().map(mask));
         }
         Some(_) => drawing::select_drawn(ui, response, painter, place, state, commands, |drawn| {
             let Drawn { outline, strokes, .. } = drawn;
@@ -285,23 +267,14 @@ fn camera_facts(state: &State) -> String {
     };
     let pixels = inspected.inspection.cameras[state.source.camera].verdict.len() as u64;
     let kept = inspected.kept[state.source.camera];
-    if matches!(
-        state.doc.source_shown.as_ref().map(|shown| &shown.picture.legend),
-        Some(Legend::Winners { .. })
-    ) {
+    let all = model::count_of(pixels, "pixel");
+    let legend = state.doc.source_shown.as_ref().map(|shown| &shown.picture.legend);
+    if matches!(legend, Some(Legend::Winners { .. })) {
         // The legend above has the share.
-        return format!(
-            "{}. Point at one to see why it was kept or dropped.",
-            model::count_of(pixels, "pixel")
-        );
+        return format!("{all}. Point at one to see why it was kept or dropped.");
     }
-    format!(
-        "{} of {} {} kept ({}). Point at one to see why.",
-        model::count(kept),
-        model::count_of(pixels, "pixel"),
-        either(pixels, "is", "are"),
-        model::percent(kept, pixels)
-    )
+    let (count, are, share) = (model::count(kept), either(pixels, "is", "are"), model::percent(kept, pixels));
+    format!("{count} of {all} {are} kept ({share}). Point at one to see why.")
 }
 
 fn about_pixel(state: &State, x: usize, y: usize) -> (CameraText, String) {

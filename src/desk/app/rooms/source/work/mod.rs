@@ -77,16 +77,22 @@ pub(crate) fn source_picture(key: &SourceKey, frame: &Frame) -> SourcePicture {
     let neutral = key.display.is_neutral();
     let picture = if neutral { frame.color.map(|c| recorded(*c)) } else { shown_picture(key, frame) };
     let histogram = (key.overlay == Overlay::Color).then(|| histogram_of(&frame.color, &picture, linear));
-    let verdicts = key.inspection.as_ref().map(|inspection| &inspection.cameras[key.camera]);
-    let (pixels, legend) = match (key.overlay, verdicts) {
+    let found = key.inspection.as_ref().map(|found| (found, &found.cameras[key.camera]));
+    let (pixels, legend) = match (key.overlay, found) {
         (Overlay::Depth, _) => depth(frame, tokens),
-        (Overlay::Normals, Some(camera)) => (normals(&camera.normal_in_world, tokens), Legend::Plain),
-        (Overlay::SamplingRatio, Some(_)) => sampling_ratio(key, &picture),
-        (Overlay::WhoWon, Some(camera)) => who_won(camera, &picture, tokens, key.isolated),
-        (Overlay::Agreement, Some(_)) => agreement(key, &picture, tokens),
-        (Overlay::ViewDependence, Some(_)) => view_dependence(key, &picture),
-        (Overlay::Split, Some(camera)) => split(camera, &picture, tokens),
-        (Overlay::Tiles, Some(camera)) => tiles(camera, &picture),
+        (Overlay::Normals, Some((_, camera))) => (normals(&camera.normal_in_world, tokens), Legend::Plain),
+        (Overlay::SamplingRatio, Some((inspection, _))) => {
+            sampling_ratio(&inspection.log2_sampling_ratio(key.camera, key.against), &picture)
+        }
+        (Overlay::WhoWon, Some((_, camera))) => who_won(camera, &picture, tokens, key.isolated),
+        (Overlay::Agreement, Some((inspection, _))) => {
+            agreement(&inspection.agreement(key.camera), &picture, tokens)
+        }
+        (Overlay::ViewDependence, Some((inspection, _))) => {
+            view_dependence(&inspection.view_dependence(key.camera), &picture)
+        }
+        (Overlay::Split, Some((_, camera))) => split(&camera.class, &picture, tokens),
+        (Overlay::Tiles, Some((_, camera))) => tiles(camera, &picture),
         _ => (picture, Legend::Plain),
     };
     let size = [pixels.width(), pixels.height()];
@@ -141,6 +147,9 @@ fn normals(normal_in_world: &Grid<[f32; 3]>, tokens: &Tokens) -> Grid<Color32> {
     })
 }
 
+/// Brightness of pixels that are not those of the isolated camera.
+const ASIDE: f32 = 0.3;
+
 fn who_won(
     camera: &CameraInspection,
     picture: &Grid<Color32>,
@@ -151,10 +160,12 @@ fn who_won(
     let mut lost_to = Vec::new();
     for verdict in camera.verdict.as_slice() {
         if !verdict.is_kept() && verdict.witness_camera != Verdict::NO_CAMERA {
-            count(&mut lost_to, verdict.witness_camera as usize);
+            let winner = verdict.witness_camera as usize;
+            lost_to.resize(lost_to.len().max(winner + 1), 0);
+            lost_to[winner] += 1;
         }
     }
-    let colors = CameraColors::new(&lost_to, isolated, tokens);
+    let (ranked, named) = ranked(&lost_to);
     let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
         let verdict = camera.verdict[(x, y)];
         let own = picture[(x, y)];
@@ -166,105 +177,64 @@ fn who_won(
             kept += 1;
             return if isolated.is_some() { dimmed(own, ASIDE) } else { own };
         }
-        let winner = verdict.witness_camera as usize;
         if verdict.witness_camera == Verdict::NO_CAMERA {
             dropped += 1;
             return tokens.hole;
         }
-        colors.at(winner, x, y, dimmed(own, 0.8))
+        let (winner, under) = (verdict.witness_camera as usize, dimmed(own, 0.8));
+        match isolated {
+            Some(isolated) if isolated != winner => dimmed(under, ASIDE),
+            None if !ranked[..named].contains(&winner) => mix(under, tokens.text_weak, 0.72),
+            _ => mix(under, camera_cues::color_at(winner, x, y), 0.72),
+        }
     });
     (pixels, Legend::Winners { kept, lost_to, dropped, invalid })
 }
 
-fn agreement(key: &SourceKey, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
-    match &key.inspection {
-        Some(inspection) => agreement_picture(&inspection.agreement(key.camera), picture, tokens),
-        None => (picture.clone(), Legend::Plain),
-    }
+/// Pixels by their class of three and its color, which `class_of` gives; none for those without depth.
+fn classified(
+    picture: &Grid<Color32>,
+    tokens: &Tokens,
+    class_of: impl Fn(usize, usize) -> Option<(usize, Color32)>,
+) -> (Grid<Color32>, Legend) {
+    let (mut counts, mut invalid) = ([0; 3], 0);
+    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
+        let Some((class, color)) = class_of(x, y) else {
+            invalid += 1;
+            return tokens.invalid;
+        };
+        counts[class] += 1;
+        color
+    });
+    (pixels, Legend::Classes { counts, invalid })
 }
 
-fn agreement_picture(
+fn agreement(
     agreement: &Grid<Option<SampleAgreement>>,
     picture: &Grid<Color32>,
     tokens: &Tokens,
 ) -> (Grid<Color32>, Legend) {
-    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| match agreement[(x, y)] {
-        None => tokens.invalid,
-        Some(found) => agreeing(picture[(x, y)], found, tokens),
-    });
-    let count = |wanted| agreement.as_slice().iter().filter(|found| **found == wanted).count() as u64;
-    let legend = Legend::Agreement {
-        confirmed: count(Some(SampleAgreement::Confirmed)),
-        contradicted: count(Some(SampleAgreement::Contradicted)),
-        alone: count(Some(SampleAgreement::Alone)),
-        invalid: count(None),
-    };
-    (pixels, legend)
+    classified(picture, tokens, |x, y| {
+        let found = agreement[(x, y)]?;
+        let class = match found {
+            SampleAgreement::Confirmed => 0,
+            SampleAgreement::Contradicted => 1,
+            SampleAgreement::Alone => 2,
+        };
+        Some((class, agreeing(picture[(x, y)], found, tokens)))
+    })
 }
 
-/// Brightness of pixels that are not those of the isolated camera.
-const ASIDE: f32 = 0.3;
-
-/// In which colors the pixels of a picture show the cameras that won them.
-struct CameraColors {
-    /// Whether a camera has a color of its own in this picture, by its index.
-    is_named: Vec<bool>,
-    isolated: Option<usize>,
-    others: Color32,
-}
-
-impl CameraColors {
-    fn new(won_by: &[u64], isolated: Option<usize>, tokens: &Tokens) -> Self {
-        let (ranked, named) = ranked(won_by);
-        let mut is_named = vec![false; won_by.len()];
-        for camera in &ranked[..named] {
-            is_named[*camera] = true;
-        }
-        Self { is_named, isolated, others: tokens.text_weak }
-    }
-
-    /// The color of a pixel that `camera` won, over what it shows.
-    fn at(&self, camera: usize, x: usize, y: usize, under: Color32) -> Color32 {
-        match self.isolated {
-            Some(isolated) if isolated != camera => dimmed(under, ASIDE),
-            None if !self.is_named.get(camera).is_some_and(|named| *named) => mix(under, self.others, 0.72),
-            _ => mix(under, camera_cues::color_at(camera, x, y), 0.72),
-        }
-    }
-}
-
-/// Counts one more pixel for a camera.
-fn count(pixels: &mut Vec<u64>, camera: usize) {
-    if pixels.len() <= camera {
-        pixels.resize(camera + 1, 0);
-    }
-    pixels[camera] += 1;
-}
-
-fn split(camera: &CameraInspection, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
-    let (mut background, mut lasting, mut foreground, mut invalid) = (0, 0, 0, 0);
-    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
-        let own = dimmed(picture[(x, y)], 0.9);
-        match camera.class[(x, y)] {
-            PixelClass::Background => {
-                background += 1;
-                mix(own, tokens.static_over_time, 0.55)
-            }
-            PixelClass::Lasting => {
-                lasting += 1;
-                mix(own, tokens.lasting, 0.7)
-            }
-            PixelClass::Foreground => {
-                foreground += 1;
-                mix(own, tokens.moving, 0.7)
-            }
-            PixelClass::Invalid => {
-                invalid += 1;
-                tokens.invalid
-            }
-        }
-    });
-    (pixels, Legend::Split { background, lasting, foreground, invalid })
+fn split(classes: &Grid<PixelClass>, picture: &Grid<Color32>, tokens: &Tokens) -> (Grid<Color32>, Legend) {
+    classified(picture, tokens, |x, y| {
+        let (class, color, opacity) = match classes[(x, y)] {
+            PixelClass::Background => (0, tokens.static_over_time, 0.55),
+            PixelClass::Lasting => (1, tokens.lasting, 0.7),
+            PixelClass::Foreground => (2, tokens.moving, 0.7),
+            PixelClass::Invalid => return None,
+        };
+        Some((class, mix(dimmed(picture[(x, y)], 0.9), color, opacity)))
+    })
 }
 
 fn tiles(camera: &CameraInspection, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
@@ -301,35 +271,33 @@ pub(crate) fn empty_tiles(shares: &Grid<f32>) -> String {
 /// Brightness of pixels that no other camera shows.
 pub(crate) const UNKNOWN: f32 = 0.35;
 
-/// The sampling ratio against another camera, or the best of them; dimmed if no other camera shows the point.
-pub(crate) fn sampling_ratio(key: &SourceKey, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
-    let Some(inspection) = &key.inspection else { return (picture.clone(), Legend::Plain) };
-    let ratio = inspection.log2_sampling_ratio(key.camera, key.against);
-    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
-        let value = ratio[(x, y)];
-        if value.is_nan() { dimmed(picture[(x, y)], UNKNOWN) } else { diverging(value / RATIO_RANGE) }
-    });
-    let unknown = ratio.as_slice().iter().filter(|value| value.is_nan()).count();
-    (pixels, Legend::Ratio { unknown: unknown as f32 / ratio.len().max(1) as f32 })
+/// A quantity in colors; dimmed where no other camera shows the point, so that it is not known.
+fn colored(found: &Grid<f32>, picture: &Grid<Color32>, color: impl Fn(f32) -> Color32) -> Grid<Color32> {
+    Grid::from_fn(picture.width(), picture.height(), |x, y| {
+        let value = found[(x, y)];
+        if value.is_nan() { dimmed(picture[(x, y)], UNKNOWN) } else { color(value) }
+    })
 }
 
-/// By how much colors differ from those of other cameras; dimmed where none shows the point.
-pub(crate) fn view_dependence(key: &SourceKey, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
-    let Some(inspection) = &key.inspection else { return (picture.clone(), Legend::Plain) };
-    let found = inspection.view_dependence(key.camera);
-    let pixels = Grid::from_fn(picture.width(), picture.height(), |x, y| {
-        let steps = found[(x, y)];
-        let of_camera = dimmed(picture[(x, y)], UNKNOWN);
-        if steps.is_nan() { of_camera } else { sequential(steps / VIEW_DEPENDENCE_RANGE) }
-    });
-    let count =
-        |wanted: fn(f32) -> bool| found.as_slice().iter().filter(|steps| wanted(**steps)).count() as u64;
+fn count(found: &Grid<f32>, wanted: fn(f32) -> bool) -> u64 {
+    found.as_slice().iter().filter(|value| wanted(**value)).count() as u64
+}
+
+/// The sampling ratio against another camera, or the best of them.
+fn sampling_ratio(log2_ratio: &Grid<f32>, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
+    let pixels = colored(log2_ratio, picture, |ratio| diverging(ratio / RATIO_RANGE));
+    let unknown = count(log2_ratio, f32::is_nan) as f32 / log2_ratio.len().max(1) as f32;
+    (pixels, Legend::Ratio { unknown })
+}
+
+/// By how much colors differ from those of other cameras.
+fn view_dependence(steps: &Grid<f32>, picture: &Grid<Color32>) -> (Grid<Color32>, Legend) {
     let legend = Legend::ViewDependence {
-        visible: count(|steps| steps >= VISIBLE_STEPS),
-        alike: count(|steps| steps < VISIBLE_STEPS),
-        unknown: count(f32::is_nan),
+        visible: count(steps, |steps| steps >= VISIBLE_STEPS),
+        alike: count(steps, |steps| steps < VISIBLE_STEPS),
+        unknown: count(steps, f32::is_nan),
     };
-    (pixels, legend)
+    (colored(steps, picture, |steps| sequential(steps / VIEW_DEPENDENCE_RANGE)), legend)
 }
 
 #[cfg(test)]
@@ -373,21 +341,24 @@ mod tests {
     }
 
     #[test]
-    fn what_others_confirm_what_they_contradict_and_what_is_alone_is_told_apart_and_counted() {
+    fn classes_of_motion_and_of_agreement_are_told_apart_and_counted() {
         let found = [
             Some(SampleAgreement::Confirmed),
             Some(SampleAgreement::Contradicted),
             Some(SampleAgreement::Alone),
             None,
         ];
-        let agreement = Grid::from_fn(32, 16, |x, _| found[x / 8]);
-        let (_, picture) = camera();
-        for dark in [true, false] {
-            let (pixels, legend) = agreement_picture(&agreement, &picture, Tokens::of(dark));
-            let counts = Legend::Agreement { confirmed: 128, contradicted: 128, alone: 128, invalid: 128 };
-            assert_eq!(legend, counts);
-            let colors: std::collections::HashSet<_> = pixels.as_slice().iter().collect();
-            assert_eq!(colors.len(), 4);
+        let agreements = Grid::from_fn(32, 16, |x, _| found[x / 8]);
+        let (camera, picture) = camera();
+        for tokens in [true, false].map(Tokens::of) {
+            for ((pixels, legend), counts, invalid) in [
+                (agreement(&agreements, &picture, tokens), [128; 3], 128),
+                (split(&camera.class, &picture, tokens), [256, 128, 128], 0),
+            ] {
+                assert_eq!(legend, Legend::Classes { counts, invalid });
+                let colors: std::collections::HashSet<_> = pixels.as_slice().iter().collect();
+                assert_eq!(colors.len(), if invalid > 0 { 4 } else { 3 });
+            }
         }
     }
 
@@ -403,14 +374,5 @@ mod tests {
         let (camera, picture) = camera();
         let (_, legend) = tiles(&camera, &picture);
         assert_eq!(legend, Legend::Tiles(Grid::from_vec(2, 1, vec![1.0, 0.0])));
-    }
-
-    #[test]
-    fn what_holds_for_all_frames_for_several_and_for_one_is_told_apart_and_counted() {
-        let (camera, picture) = camera();
-        let (pixels, legend) = split(&camera, &picture, Tokens::of(false));
-        assert_eq!(legend, Legend::Split { background: 256, lasting: 128, foreground: 128, invalid: 0 });
-        let [all, several, one] = [0, 20, 28].map(|x| pixels[(x, 0)]);
-        assert!(all != several && several != one && one != all);
     }
 }
