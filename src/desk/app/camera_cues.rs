@@ -4,7 +4,7 @@
 //! Sources: the first seven colors are those of Okabe and Ito (*Color Universal Design*, 2008). What differs: seven lighter ones
 //! and seven of other hues follow, all light enough for a dark window and dark enough for a light one.
 
-use egui::{Color32, Painter, Rect, Stroke, StrokeKind, pos2, vec2};
+use egui::{Color32, Painter, Rect, Stroke, StrokeKind, vec2};
 
 /// Colors of cameras in their order; then they repeat, with a pattern.
 const COLORS: [u32; 21] = [
@@ -22,9 +22,8 @@ const PERIODS: [usize; 3] = [4, 8, 14];
 /// Kinds of patterns.
 const KINDS: usize = 6;
 
-/// Cameras that differ in color or pattern from each other; beyond, both repeat, and only names differ.
-#[cfg(test)]
-const DISTINCT: usize = COLORS.len() * (1 + KINDS * PERIODS.len());
+/// Patterns of every kind and period, and none.
+const PATTERNS: usize = 1 + KINDS * PERIODS.len();
 
 /// Brightness of the darker part of a pattern.
 const DARKER: f32 = 0.42;
@@ -47,9 +46,7 @@ fn darker(color: Color32) -> Color32 {
 
 /// Whether a pixel lies in the darker part of the pattern of a camera.
 fn is_darker(index: usize, x: usize, y: usize) -> bool {
-    let Some(pattern) = (index / COLORS.len() % (1 + KINDS * PERIODS.len())).checked_sub(1) else {
-        return false;
-    };
+    let Some(pattern) = (index / COLORS.len() % PATTERNS).checked_sub(1) else { return false };
     let period = PERIODS[pattern / KINDS];
     let half = |at: usize| at % period < period / 2;
     match pattern % KINDS {
@@ -72,19 +69,11 @@ pub(crate) fn sign(painter: &Painter, area: Rect, index: usize) {
     }
     let [columns, rows] = [area.width(), area.height()].map(|side| side.round() as usize);
     for y in 0..rows {
+        let points: Vec<usize> = (0..columns).filter(|x| is_darker(index, *x, y)).collect();
         // A run of points at a time: signs are many.
-        let mut x = 0;
-        while x < columns {
-            let start = x;
-            while x < columns && is_darker(index, x, y) {
-                x += 1;
-            }
-            if x > start {
-                let corner = area.min + vec2(start as f32, y as f32);
-                let run = Rect::from_min_max(corner, pos2(area.left() + x as f32, corner.y + 1.0));
-                painter.rect_filled(run, 0.0, dark);
-            }
-            x += 1;
+        for run in points.chunk_by(|x, next| x + 1 == *next) {
+            let corner = area.min + vec2(run[0] as f32, y as f32);
+            painter.rect_filled(Rect::from_min_size(corner, vec2(run.len() as f32, 1.0)), 0.0, dark);
         }
     }
 }
@@ -102,8 +91,9 @@ mod tests {
         let looks = |index: usize| -> Vec<[u8; 4]> {
             (0..SIGN * SIGN).map(|at| color_at(index, at % SIGN, at / SIGN).to_array()).collect()
         };
-        let all: std::collections::HashSet<_> = (0..DISTINCT.max(300)).map(looks).collect();
-        assert_eq!(all.len(), DISTINCT.max(300));
+        let cameras = COLORS.len() * PATTERNS;
+        let all: std::collections::HashSet<_> = (0..cameras).map(looks).collect();
+        assert!(all.len() == cameras && cameras >= 300, "{} of {cameras}", all.len());
     }
 
     #[test]
@@ -121,10 +111,7 @@ mod tests {
 
     /// Relative luminance as WCAG defines contrast by.
     fn luminance(color: Color32) -> f32 {
-        let linear = |channel: u8| {
-            let c = f32::from(channel) / 255.0;
-            if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-        };
+        let linear = |channel: u8| overlook_engine::color::linear_from_srgb(f32::from(channel) / 255.0);
         0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
     }
 }

@@ -31,9 +31,7 @@ impl OverlookApp {
         if !pinned {
             (probe.spot, probe.shown) = (None, None);
         } else if let Some(probed) = probe.shown.as_ref().filter(|probed| Some(probed.spot) == probe.spot) {
-            // The surface point is kept: a pixel of the live picture shows another point once the view turns.
-            let (camera, x, y) = (probed.camera, probed.x, probed.y);
-            probe.spot = Some(Spot::Source { camera, x, y });
+            probe.spot = Some(probed.recorded_at());
         } else {
             // The pixel may have been found to be a hole before it was pinned.
             self.workers.probe.forget();
@@ -42,19 +40,16 @@ impl OverlookApp {
 
     /// Shows the selected point in the middle of a camera's picture.
     fn show_point_in(&mut self, camera: usize) {
-        let Some(scene) = &self.state.doc.scene else { return };
-        let Some(intrinsics) = scene.cameras.get(camera).map(|camera| camera.intrinsics) else { return };
-        let probed = self.state.doc.probe.shown.clone();
+        let Some(scene) = self.state.doc.scene.clone().filter(|scene| camera < scene.cameras.len()) else {
+            return;
+        };
         self.apply(Command::Source(SourceCommand::Camera(camera)));
         let probe = &mut self.state.doc.probe;
-        if let Some(probed) = &probed {
-            probe.pinned = true;
-            probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
-        }
-        let cameras = self.state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras);
-        let place = probed.and_then(|probed| probed.in_camera(cameras, camera));
-        if let Some((at, _)) = place {
-            let center = egui::vec2(at.x / intrinsics.width as f32, at.y / intrinsics.height as f32);
+        let Some(probed) = &probe.shown else { return };
+        (probe.pinned, probe.spot) = (true, Some(probed.recorded_at()));
+        if let Some((at, _)) = probed.in_camera(&scene.cameras, camera) {
+            let (columns, rows) = scene.cameras[camera].intrinsics.size();
+            let center = at.to_vec2() / egui::vec2(columns as f32, rows as f32);
             self.state.source.part = PictureZoom::new(self.state.source.part.zoom.max(4.0), center);
         }
     }
@@ -75,9 +70,7 @@ impl OverlookApp {
         }
         let is_kept = probe.pinned && probe.spot == Some(spot) && matches!(spot, Spot::Live { .. });
         match &probed {
-            Some(probed) if is_kept => {
-                probe.spot = Some(Spot::Source { camera: probed.camera, x: probed.x, y: probed.y });
-            }
+            Some(probed) if is_kept => probe.spot = Some(probed.recorded_at()),
             // A hole cannot be pinned: a sample that appears there later is another pixel.
             None if is_kept && is_hole => (probe.pinned, probe.spot) = (false, None),
             _ => {}

@@ -24,14 +24,7 @@ pub(crate) fn verdict(cameras: &[Camera], verdict: Verdict) -> CameraText {
     let Some(witness) = cameras.get(index).filter(|_| !verdict.is_kept()) else {
         return CameraText::new(verdict.rule.sentence());
     };
-    // A store knows the camera of a witness, not its pixel.
-    let place = match verdict.witness_pixel {
-        Verdict::NO_PIXEL => String::new(),
-        pixel => {
-            let (x, y) = column_and_row(witness, pixel);
-            format!(", at {x}, {y}")
-        }
-    };
+    let place = place(witness, verdict.witness_pixel, ", at");
     let told =
         |before: &str, after: &str| CameraText::new(before).camera(index).words(format!(" {after}{place}."));
     match verdict.rule {
@@ -73,41 +66,38 @@ pub(crate) fn votes(counts: VoteCounts, is_flying: bool) -> Option<String> {
     } else {
         ""
     };
-    let confirming = match confirm {
-        0 => "No other camera confirms it".to_owned(),
-        _ => format!("{} {} it", counted(confirm, "camera"), either(confirm, "confirms", "confirm")),
+    let told = |cameras, none: &str, one, many| match cameras {
+        0 => none.to_owned(),
+        _ => format!("{} {} it", counted(cameras, "camera"), either(cameras, one, many)),
     };
-    let looking_past = match look_past {
-        0 => "none contradicts it".to_owned(),
-        _ => {
-            format!("{} {} it", counted(look_past, "camera"), either(look_past, "contradicts", "contradict"))
-        }
-    };
+    let confirming = told(confirm, "No other camera confirms it", "confirms", "confirm");
+    let looking_past = told(look_past, "none contradicts it", "contradicts", "contradict");
     (is_flying || confirm + look_past > 0).then(|| format!("{confirming}, {looking_past}.{flying}"))
 }
 
 /// How votes drop a sample, with the settings that decide it.
 pub(crate) fn rule_of_votes(pruning: &PruningSettings) -> String {
-    let margin = pruning.agreement_margin;
-    let cameras = counted(margin, "camera");
-    let rule = format!(
-        "A sample without a witness is dropped if the cameras that contradict it outnumber those that confirm it, its own among \
-         these, by {cameras} (vote margin)."
-    );
-    match pruning.agreement {
-        AgreementRule::Majority => rule,
+    let cameras = counted(pruning.agreement_margin, "camera");
+    let is_off = match pruning.agreement {
+        AgreementRule::Majority => "",
         AgreementRule::Off => {
-            format!(
-                "The cross-camera check is off, so that no sample is dropped by votes. By majority: {rule}"
-            )
+            "The cross-camera check is off, so that no sample is dropped by votes. By majority: "
         }
-    }
+    };
+    format!(
+        "{is_off}A sample without a witness is dropped if the cameras that contradict it outnumber those that confirm it, its own \
+         among these, by {cameras} (vote margin)."
+    )
 }
 
-/// Column and row of a pixel index.
-pub(crate) fn column_and_row(camera: &Camera, pixel: u32) -> (u32, u32) {
+/// Column and row of a pixel, behind some words; nothing where no pixel is known: a store knows the camera of a witness alone.
+fn place(camera: &Camera, pixel: u32, before: &str) -> String {
     let width = camera.intrinsics.width.max(1);
-    (pixel % width, pixel / width)
+    if pixel == Verdict::NO_PIXEL {
+        String::new()
+    } else {
+        format!("{before} {}, {}", pixel % width, pixel / width)
+    }
 }
 
 /// Whether a camera sees the point, and the rule behind that.
@@ -227,16 +217,10 @@ pub(crate) fn chain(cameras: &[Camera], links: &[ChainLink]) -> CameraText {
     let mut text = CameraText::default();
     for (index, link) in links.iter().enumerate() {
         let Some(camera) = cameras.get(link.camera) else { continue };
-        let place = match link.pixel {
-            Verdict::NO_PIXEL => String::new(),
-            pixel => {
-                let (x, y) = column_and_row(camera, pixel);
-                format!(" {x}, {y}")
-            }
-        };
+        let place = place(camera, link.pixel, "");
         let fate = if link.verdict.is_kept() { "kept" } else { "dropped" };
-        let before = if index == 0 { CameraText::default() } else { CameraText::new(" » ") };
-        text = text.then(before.camera(link.camera).words(format!("{place} ({fate})")));
+        let before = if index == 0 { "" } else { " » " };
+        text = text.words(before).camera(link.camera).words(format!("{place} ({fate})"));
     }
     text
 }
@@ -297,9 +281,9 @@ mod tests {
     use overlook_engine::capture::Intrinsics;
 
     #[test]
-    fn what_is_far_below_any_tolerance_is_told_in_hundredths() {
-        let told = [1.33e-5, -1e-9, 0.094, 0.77, 78.6, f64::NAN].map(distance);
-        assert_eq!(told, ["0.00", "0.00", "0.09", "0.77", "78.6", "–"]);
+    fn what_is_far_below_any_tolerance_is_told_in_hundredths_and_what_is_not_known_is_a_dash() {
+        let told = [1.33e-5, -1e-9, 0.094, 0.77, 78.6, f64::INFINITY, f64::NAN].map(distance);
+        assert_eq!(told, ["0.00", "0.00", "0.09", "0.77", "78.6", "infinite", "–"]);
     }
 
     #[test]
@@ -410,13 +394,5 @@ mod tests {
         pruning.agreement = AgreementRule::Off;
         let told = rule_of_votes(&pruning);
         assert!(told.starts_with("The cross-camera check is off") && told.contains("by 2 cameras"), "{told}");
-    }
-
-    #[test]
-    fn what_is_not_known_is_a_dash() {
-        assert_eq!(
-            (number(f64::NAN), number(f64::INFINITY), number(1.0)),
-            ("–".into(), "infinite".into(), "1.00".into())
-        );
     }
 }

@@ -74,6 +74,11 @@ pub(crate) struct Probed {
 }
 
 impl Probed {
+    /// The pixel that its sample was recorded in: it stays the same surface point when the view turns.
+    pub(crate) fn recorded_at(&self) -> Spot {
+        Spot::Source { camera: self.camera, x: self.x, y: self.y }
+    }
+
     /// Where a camera shows the point, in its pixels, and whether it sees it.
     pub(crate) fn in_camera(&self, cameras: &[Camera], camera: usize) -> Option<(Pos2, bool)> {
         if camera == self.camera {

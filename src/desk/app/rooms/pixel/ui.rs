@@ -130,25 +130,17 @@ fn heading_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         let pinned = state.doc.probe.pinned;
         let (pin, pin_name) = if pinned { (ICON_KEEP_OFF, "Unpin pixel") } else { (ICON_KEEP, "Pin pixel") };
         let pin_help = "A pinned pixel stays selected while the pointer moves on (click a pixel, or P)";
-        for (icon, name, help, command) in [
-            (
-                ICON_CONTENT_COPY,
-                "Copy explanation",
-                "Copy all of this as text (Ctrl+Shift+C)",
-                Command::Pixel(PixelCommand::CopyExplanation),
-            ),
-            (pin, pin_name, pin_help, Command::Pixel(PixelCommand::Pin(!pinned))),
-        ] {
-            if icon_button(ui, icon, name, help).clicked() {
-                commands.push(command);
-            }
+        let copy_help = "Copy all of this as text (Ctrl+Shift+C)";
+        if icon_button(ui, ICON_CONTENT_COPY, "Copy explanation", copy_help).clicked() {
+            commands.push(Command::Pixel(PixelCommand::CopyExplanation));
+        }
+        if icon_button(ui, pin, pin_name, pin_help).clicked() {
+            commands.push(Command::Pixel(PixelCommand::Pin(!pinned)));
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             dot(ui, probed.camera);
-            let text = format!("{name}  {}, {}", probed.x, probed.y);
-            let shown = RichText::new(&text);
-            let shown = if is_narrow { shown.strong() } else { shown.heading() };
-            ui.add(Label::new(shown).truncate());
+            let text = RichText::new(format!("{name}  {}, {}", probed.x, probed.y));
+            ui.add(Label::new(if is_narrow { text.strong() } else { text.heading() }).truncate());
         });
     });
 }
@@ -185,11 +177,9 @@ fn spans_ui(ui: &mut Ui, state: &State, probed: &Probed) {
     let step = rect.width() / frames as f32;
     let gap = if step > 4.0 { 1.0 } else { 0.0 };
     for span in probed.spans.iter().flatten() {
-        let (start, end) = (span.start as f32 * step, span.end as f32 * step - gap);
-        let bar =
-            Rect::from_min_max(rect.min + vec2(start, 2.0), pos2(rect.left() + end, rect.bottom() - 2.0));
-        let color = tokens.of_span(span.len(), frames);
-        painter.rect_filled(bar, 1.0, color);
+        let [start, end] = [span.start, span.end].map(|frame| rect.left() + frame as f32 * step);
+        let bar = Rect::from_x_y_ranges(start..=end - gap, rect.y_range().shrink(2.0));
+        painter.rect_filled(bar, 1.0, tokens.of_span(span.len(), frames));
     }
     let now = rect.left() + (state.timeline.frame as f32 + 0.5) * step;
     painter.vline(now, rect.y_range(), egui::Stroke::new(2.0, tokens.text));

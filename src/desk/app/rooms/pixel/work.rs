@@ -141,21 +141,13 @@ pub(crate) fn probe(key: &ProbeKey) -> Option<Probed> {
             explain_stored_pixel(playback, frame, camera, (x, y), &Job::new()).ok().flatten()
         }
     };
-    let mut point_in_world =
-        explanation.as_ref().map_or(seen, |explanation| explanation.point_in_world.or(seen));
-    let samples = match &key.scene.content {
-        // A store that plays from disk has one frame in memory.
-        Content::Store { .. } => None,
-        Content::Capture { .. } => key.whole.as_ref(),
-    };
-    let spans = samples.map(|samples| spans_of_pixel(samples, camera, x, y));
+    let mut point_in_world = explanation.as_ref().and_then(|explanation| explanation.point_in_world).or(seen);
+    let spans = key.whole.as_ref().map(|samples| spans_of_pixel(samples, camera, x, y));
     if let (Spot::Source { .. }, Some(inspection)) = (key.spot, &key.inspection)
         && let Some(frame) = inspection.cameras.get(camera).map(|camera| &camera.frame)
-        && x < frame.size().0
-        && y < frame.size().1
+        && frame.color.get(x, y).is_some()
     {
-        let pixel = y * frame.size().0 + x;
-        values = value_lines(&inspection.samples.values, frame.values.of(pixel));
+        values = value_lines(&inspection.samples.values, frame.values.of(y * frame.color.width() + x));
     }
     if let (Spot::Source { .. }, Some(playback)) = (key.spot, key.scene.playback()) {
         // What cannot be read of a store is told where its pictures are painted.

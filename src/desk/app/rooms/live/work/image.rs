@@ -116,8 +116,8 @@ fn shown(
 fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     let tokens = Tokens::of(key.dark);
     let stripe = key.stripe();
-    let agreement = LiveAgreement::of(key);
-    let values = LiveValues::of(key, picture);
+    let agreements = agreements(key);
+    let values = values(key, picture);
     let color = |x: usize, y: usize| {
         let image = picture.image[(x, y)];
         let shows_sky = key.color_by == ColorBy::Picture && picture.inverse_depth[(x, y)] == 0.0;
@@ -142,7 +142,7 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
             ColorBy::Camera => {
                 mix(dimmed(own, DIMMED), camera_cues::color_at(source.camera as usize, x, y), 0.7)
             }
-            ColorBy::Agreement => match agreement.at(key, picture, x, y) {
+            ColorBy::Agreement => match agreement_at(key, &agreements, picture, x, y) {
                 Some(found) => agreeing(own, found, tokens),
                 None => dimmed(own, DIMMED),
             },
@@ -151,9 +151,9 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
                 let share = if source.span.len() >= frames { 0.55 } else { 0.7 };
                 mix(dimmed(own, DIMMED), tokens.of_span(source.span.len(), frames), share)
             }
-            ColorBy::Value => {
-                values.as_ref().map_or(own, |values| values.color(x, y, picture.inverse_depth[(x, y)]))
-            }
+            ColorBy::Value => values.as_ref().map_or(own, |(values, colors)| {
+                opaque(colors.color_at(values[(x, y)], picture.inverse_depth[(x, y)]))
+            }),
             ColorBy::SamplingRate => {
                 let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 let inverse_depth = f64::from(picture.inverse_depth[(x, y)]);
@@ -168,61 +168,48 @@ fn colored(picture: &Picture, key: &LiveKey) -> Grid<Color32> {
     Grid::from_vec(width, height, colors)
 }
 
-/// One value of each pixel, and its colors.
-struct LiveValues {
-    values: Grid<f32>,
-    colors: ValueColors,
+/// The value of each pixel that the picture is colored by, and its colors; `None` where it is colored otherwise, or there are no values.
+fn values(key: &LiveKey, picture: &Picture) -> Option<(Grid<f32>, ValueColors)> {
+    let look = Some(key.display.values).filter(|_| key.color_by == ColorBy::Value)?;
+    let (channel, meaning) = look.channel_of(&key.samples.values)?;
+    let colors = look.colors(meaning).ok()?;
+    let shown = output::PictureValues::of(&key.samples, &key.vantage, picture);
+    let (width, height) = picture.image.size();
+    Some((Grid::from_vec(width, height, shown.values.channel(channel).collect()), colors))
 }
 
-impl LiveValues {
-    /// Those that the picture is colored by; `None` where it is not, or where there are none.
-    fn of(key: &LiveKey, picture: &Picture) -> Option<Self> {
-        let look = Some(key.display.values).filter(|_| key.color_by == ColorBy::Value)?;
-        let (channel, meaning) = look.channel_of(&key.samples.values)?;
-        let colors = look.colors(meaning).ok()?;
-        let shown = output::PictureValues::of(&key.samples, &key.vantage, picture);
-        let (width, height) = picture.image.size();
-        Some(Self { values: Grid::from_vec(width, height, shown.values.channel(channel).collect()), colors })
-    }
+/// How the samples of a camera agree with other cameras; `None` for one without a sample in the picture.
+type CameraAgreement = Option<Arc<Grid<Option<SampleAgreement>>>>;
 
-    fn color(&self, x: usize, y: usize, inverse_depth: f32) -> Color32 {
-        opaque(self.colors.color_at(self.values[(x, y)], inverse_depth))
-    }
+fn agreements(key: &LiveKey) -> Vec<CameraAgreement> {
+    let inspection = key.inspection.as_ref().filter(|_| key.color_by == ColorBy::Agreement);
+    inspection.map_or_else(Vec::new, |inspection| {
+        let shown = |camera| key.samples.images.iter().any(|image| image.camera as usize == camera);
+        let of_camera = |camera| shown(camera).then(|| inspection.agreement(camera));
+        (0..inspection.cameras.len()).map(of_camera).collect()
+    })
 }
 
-/// How the samples of each camera agree with other cameras; `None` for cameras without a sample in the picture.
-struct LiveAgreement {
-    of_camera: Vec<Option<Arc<Grid<Option<SampleAgreement>>>>>,
-}
-
-impl LiveAgreement {
-    fn of(key: &LiveKey) -> Self {
-        let inspection = key.inspection.as_ref().filter(|_| key.color_by == ColorBy::Agreement);
-        let of_camera = inspection.map_or_else(Vec::new, |inspection| {
-            let shown = |camera| key.samples.images.iter().any(|image| image.camera as usize == camera);
-            let of_camera = |camera| shown(camera).then(|| inspection.agreement(camera));
-            (0..inspection.cameras.len()).map(of_camera).collect()
-        });
-        Self { of_camera }
-    }
-
-    /// How the sample that a pixel shows agrees with other cameras; `None` if that is not known.
-    fn at(&self, key: &LiveKey, picture: &Picture, x: usize, y: usize) -> Option<SampleAgreement> {
-        let inspection = key.inspection.as_ref()?;
-        let camera = key.samples.images[picture.image[(x, y)] as usize].camera as usize;
-        let agreement = self.of_camera.get(camera)?.as_ref()?;
-        let there = recorded_at(key, picture, x, y).filter(|(place, depth)| {
-            let recorded = inspection.cameras[camera].frame.inverse_depth.get(place[0], place[1]);
-            recorded.is_some_and(|recorded| compare(*recorded, *depth, PAINTED_SAMPLE) == Sighting::Same)
-        });
-        let [x, y] = match there {
-            Some((place, _)) => place,
-            None => {
-                output::pick(&key.samples, &key.vantage, picture, x, y).map(|picked| [picked.x, picked.y])?
-            }
-        };
-        *agreement.get(x, y)?
-    }
+/// How the sample that a pixel shows agrees with other cameras; `None` if that is not known.
+fn agreement_at(
+    key: &LiveKey,
+    agreements: &[CameraAgreement],
+    picture: &Picture,
+    x: usize,
+    y: usize,
+) -> Option<SampleAgreement> {
+    let inspection = key.inspection.as_ref()?;
+    let camera = key.samples.images[picture.image[(x, y)] as usize].camera as usize;
+    let agreement = agreements.get(camera)?.as_ref()?;
+    let there = recorded_at(key, picture, x, y).filter(|(place, depth)| {
+        let recorded = inspection.cameras[camera].frame.inverse_depth.get(place[0], place[1]);
+        recorded.is_some_and(|recorded| compare(*recorded, *depth, PAINTED_SAMPLE) == Sighting::Same)
+    });
+    let [x, y] = match there {
+        Some((place, _)) => place,
+        None => output::pick(&key.samples, &key.vantage, picture, x, y).map(|picked| [picked.x, picked.y])?,
+    };
+    *agreement.get(x, y)?
 }
 
 /// Column, row and planar depth of a pixel's point in the camera that recorded its sample; `None` at infinity and outside that
@@ -345,19 +332,17 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_that_is_off_shows_no_sample_and_its_images_keep_their_place() {
+    fn images_of_a_camera_that_is_off_are_others_in_their_place_and_stay_the_same_as_long_as_nothing_changes()
+    {
         let image = |camera: u32| {
-            let mut rows = [0; overlook_engine::samples::TILE];
-            rows[0] = 1;
-            let tiles = vec![overlook_engine::samples::SampleTile { tile_x: 0, tile_y: 0, first: 0, rows }];
             Arc::new(SampleImage {
                 camera,
                 span: overlook_engine::samples::Span { start: 0, end: 1 },
-                color: vec![[half::f16::ONE; 3]],
-                depth: DepthPlane::pack(&tiles, &[0.5]),
+                color: Vec::new(),
+                depth: DepthPlane::default(),
                 normal: None,
                 doubtful: Vec::new(),
-                tiles,
+                tiles: Vec::new(),
                 values: overlook_engine::capture::Values::default(),
             })
         };
@@ -368,8 +353,9 @@ mod tests {
         assert!(Arc::ptr_eq(&all, &samples));
         let cameras = ShownCameras { solo: Some(1), ..ShownCameras::default() };
         let one = filter.of(samples.clone(), &cameras);
-        assert_eq!(one.images.iter().map(|image| image.len()).collect::<Vec<_>>(), [0, 1]);
-        assert!(Arc::ptr_eq(&one, &filter.of(samples, &cameras)), "kept as long as nothing changes");
+        let is_kept = |camera: usize| Arc::ptr_eq(&one.images[camera], &samples.images[camera]);
+        assert!(one.images.len() == 2 && !is_kept(0) && is_kept(1));
+        assert!(Arc::ptr_eq(&one, &filter.of(samples, &cameras)));
     }
 
     #[test]

@@ -82,28 +82,24 @@ impl Wanted for LiveKey {
 }
 
 impl Wanted for CarryKey {
+    /// `None` where the picture was taken from where the view is now, or from nowhere near.
     fn wanted(state: &State) -> Option<Self> {
-        carry_key(state)
+        let (shown, orbit) = (state.doc.live_shown.as_ref()?, state.live.orbit.as_ref()?);
+        shown.picture.rendered()?;
+        let to = state.live_camera(shown.picture.size.map(|side| side as u32))?;
+        let from = &shown.key.vantage.camera;
+        let is_needed = to != *from && is_near(from, &to, FARTHEST * orbit.pivot_distance);
+        is_needed.then(|| Self {
+            scene: shown.key.scene,
+            picture: Same(shown.picture.clone()),
+            from: from.clone(),
+            to,
+        })
     }
 
     fn is_of_use(&self, state: &State) -> bool {
-        carry_key(state).is_some()
+        Self::wanted(state).is_some()
     }
-}
-
-/// What is to be carried to where the view is now; `None` where the picture was taken from there, or from nowhere near.
-fn carry_key(state: &State) -> Option<CarryKey> {
-    let (shown, orbit) = (state.doc.live_shown.as_ref()?, state.live.orbit.as_ref()?);
-    shown.picture.rendered()?;
-    let to = state.live_camera(shown.picture.size.map(|side| side as u32))?;
-    let from = &shown.key.vantage.camera;
-    let is_needed = to != *from && is_near(from, &to, FARTHEST * orbit.pivot_distance);
-    is_needed.then(|| CarryKey {
-        scene: shown.key.scene,
-        picture: Same(shown.picture.clone()),
-        from: from.clone(),
-        to,
-    })
 }
 
 fn is_near(from: &Camera, to: &Camera, farthest: f64) -> bool {
