@@ -12,7 +12,7 @@ use crate::app::model::window::{Area, CommandPalette, DockView, HelpPage, Worksp
 use crate::app::rooms::charts::state::axis::ShownAxis;
 use crate::app::rooms::charts::state::{Study, StudyChoice};
 use crate::app::rooms::compare::state::CompareLook;
-use crate::app::rooms::live::state::LiveLook;
+use crate::app::rooms::live::state::{KeptView, LiveLook};
 use crate::app::rooms::path::CameraPath;
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::source::SourceLook;
@@ -217,15 +217,15 @@ pub(crate) enum ViewCommand {
     Focus(DVec3),
 }
 
-/// What can be done with views that are kept, by their index in the list.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// What can be done with views that are kept.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum KeptViewCommand {
     /// Put the view into the list of those that are kept.
     Keep,
     /// Go to a kept view, by its place in the list.
     GoTo(usize),
-    Rename(usize, String),
-    Remove(usize),
+    /// Put a changed list in the place of the one that is there.
+    Change(Vec<KeptView>),
 }
 
 impl ViewCommand {
@@ -234,13 +234,6 @@ impl ViewCommand {
         let mut look = Box::new(look.clone());
         change(&mut look);
         Self::Look(look)
-    }
-
-    /// The command that takes a camera as a change makes it.
-    pub(crate) fn camera(camera: &OrbitCamera, change: impl FnOnce(&mut OrbitCamera)) -> Self {
-        let mut camera = Box::new(camera.clone());
-        change(&mut camera);
-        Self::Camera(camera)
     }
 
     /// Whether it moves the view by hand, and nothing else.

@@ -2,21 +2,16 @@
 
 pub(crate) mod ui;
 
-use egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, Response, Stroke, pos2, vec2};
 use glam::{DVec2, DVec3};
 
+use crate::app::model::command::{SourceCommand, ViewCommand};
+use crate::app::model::{Command, Commands, State};
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
 
 /// Depth at which lines are cut off, as a share of a pyramid's length: scenes are in millimeters as well as in meters.
 const NEAR: f64 = 1e-3;
-
-/// A camera's pyramid as line segments in the live picture's pixels, and where its name belongs.
-pub(crate) struct Frustum {
-    pub lines: Vec<[Pos2; 2]>,
-    /// The apex, where it is in view.
-    pub apex: Option<Pos2>,
-}
 
 /// A camera as it is drawn: the picture of an orthographic one may be as large as the scene, and is drawn as small as those of others.
 pub(crate) fn as_drawn(camera: &Camera) -> Camera {
@@ -24,8 +19,8 @@ pub(crate) fn as_drawn(camera: &Camera) -> Camera {
     Camera { intrinsics: lens.in_perspective_from(lens.depth_scale(1.0)), ..camera.clone() }
 }
 
-/// The pyramid of `camera`, `length` deep, as `vantage` sees it; of an orthographic camera a box.
-pub(crate) fn frustum(camera: &Camera, vantage: &Camera, length: f64) -> Frustum {
+/// The edges of the pyramid of `camera`, `length` deep, in the pixels of `vantage`; of an orthographic camera those of a box.
+pub(crate) fn frustum(camera: &Camera, vantage: &Camera, length: f64) -> Vec<[Pos2; 2]> {
     let (width, height) = (f64::from(camera.intrinsics.width), f64::from(camera.intrinsics.height));
     let drawn = as_drawn(camera);
     let corners = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)]
@@ -33,27 +28,29 @@ pub(crate) fn frustum(camera: &Camera, vantage: &Camera, length: f64) -> Frustum
     let apex = camera.position_in_world();
     let is_box = camera.intrinsics.is_orthographic();
     let back = corners.map(|corner| if is_box { corner - length * camera.forward_in_world() } else { apex });
-    let camera_from_world = vantage.camera_from_world();
-    let mut lines = Vec::with_capacity(8);
-    for i in 0..4 {
+    let edges = (0..4).flat_map(|i| {
         let next = (i + 1) % 4;
-        let behind = is_box.then_some((back[i], back[next]));
-        for (a, b) in [(back[i], corners[i]), (corners[i], corners[next])].into_iter().chain(behind) {
-            let ends = [a, b].map(|point| camera_from_world.transform_point3(point));
-            if let Some([a, b]) = clipped(ends, NEAR * length) {
-                lines.extend(projected(vantage, a).zip(projected(vantage, b)).map(|(a, b)| [a, b]));
-            }
-        }
-    }
-    Frustum { lines, apex: projected(vantage, camera_from_world.transform_point3(apex)) }
+        let behind = is_box.then_some([back[i], back[next]]);
+        [[back[i], corners[i]], [corners[i], corners[next]]].into_iter().chain(behind)
+    });
+    edges.filter_map(|edge| segment(vantage, edge, NEAR * length)).collect()
 }
 
-pub(crate) fn projected(vantage: &Camera, point_in_camera: DVec3) -> Option<Pos2> {
-    vantage.intrinsics.project(point_in_camera).map(|pixel| pos2(pixel.x as f32, pixel.y as f32))
+/// Where a camera shows a point of the world, in its pixels; `None` behind it.
+pub(crate) fn projected(vantage: &Camera, point_in_world: DVec3) -> Option<Pos2> {
+    vantage.project(point_in_world).map(|(pixel, _)| pos2(pixel.x as f32, pixel.y as f32))
+}
+
+/// Where a camera shows a segment in world space, in its pixels; without what is nearer than `near`.
+pub(crate) fn segment(vantage: &Camera, ends: [DVec3; 2], near: f64) -> Option<[Pos2; 2]> {
+    let camera_from_world = vantage.camera_from_world();
+    let ends = clipped(ends.map(|end| camera_from_world.transform_point3(end)), near)?;
+    let [start, end] = ends.map(|end| vantage.intrinsics.project(end));
+    start.zip(end).map(|(start, end)| [start, end].map(|pixel| pos2(pixel.x as f32, pixel.y as f32)))
 }
 
 /// The part of a segment in camera space that lies before the camera, no nearer than `near`.
-pub(crate) fn clipped([a, b]: [DVec3; 2], near: f64) -> Option<[DVec3; 2]> {
+fn clipped([a, b]: [DVec3; 2], near: f64) -> Option<[DVec3; 2]> {
     let cut = |inside: DVec3, outside: DVec3| {
         let share = (inside.z - near) / (inside.z - outside.z);
         inside + (outside - inside) * share
@@ -84,6 +81,25 @@ pub(crate) fn mark(painter: &Painter, at: Pos2, sees: bool, pinned: bool, tokens
     }
 }
 
+/// Marks the selected point where the picture of a camera, over an area, shows it.
+pub(crate) fn mark_probe(painter: &Painter, picture: Rect, state: &State, camera: usize) {
+    let probe = &state.doc.probe;
+    let Some((scene, probed)) = state.doc.scene.as_ref().zip(probe.shown.as_ref()) else { return };
+    let Some((at, sees)) = probed.in_camera(&scene.cameras, camera) else { return };
+    let (columns, rows) = scene.cameras[camera].intrinsics.size();
+    let at = picture.min + at.to_vec2() * picture.size() / vec2(columns as f32, rows as f32);
+    mark(painter, at, sees, probe.pinned, Tokens::of(state.dark));
+}
+
+/// A click on what stands for a camera chooses it, a double-click views from it.
+fn answer_clicks(response: &Response, camera: usize, commands: &mut Commands) {
+    if response.double_clicked() {
+        commands.push(Command::View(ViewCommand::JumpTo(camera)));
+    } else if response.clicked() {
+        commands.push(Command::Source(SourceCommand::Camera(camera)));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,14 +110,15 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_in_view_has_eight_edges_and_one_behind_has_none() {
-        let vantage = camera(DVec3::new(0.0, -10.0, 0.0), DVec3::ZERO);
-        let seen = frustum(&camera(DVec3::ZERO, DVec3::X), &vantage, 1.0);
-        assert_eq!(seen.lines.len(), 8);
-        assert!((seen.apex.unwrap() - pos2(50.0, 50.0)).length() < 1e-3);
-        let behind =
-            frustum(&camera(DVec3::new(0.0, -20.0, 0.0), DVec3::new(0.0, -30.0, 0.0)), &vantage, 1.0);
-        assert!(behind.lines.is_empty() && behind.apex.is_none());
+    fn a_camera_in_view_has_eight_edges_in_a_scene_of_any_unit_and_one_behind_has_none() {
+        for unit in [1e-6, 1.0, 1e6] {
+            let vantage = camera(DVec3::new(0.0, -10.0, 0.0) * unit, DVec3::ZERO);
+            let seen =
+                |eye: DVec3, target: DVec3| frustum(&camera(eye * unit, target * unit), &vantage, unit);
+            assert_eq!(seen(DVec3::ZERO, DVec3::X).len(), 8, "{unit}");
+            let behind = seen(DVec3::new(0.0, -20.0, 0.0), DVec3::new(0.0, -30.0, 0.0));
+            assert!(behind.is_empty(), "{unit}");
+        }
     }
 
     #[test]
@@ -110,8 +127,8 @@ mod tests {
         let lens = Intrinsics::orthographic(100, 100, 40.0);
         let large = Camera { intrinsics: lens, ..camera(DVec3::ZERO, DVec3::X) };
         let seen = frustum(&large, &vantage, 1.0);
-        assert_eq!(seen.lines.len(), 12);
-        let far = seen.lines.iter().flatten().map(|end| (*end - pos2(50.0, 50.0)).length());
+        assert_eq!(seen.len(), 12);
+        let far = seen.iter().flatten().map(|end| (*end - pos2(50.0, 50.0)).length());
         assert!(far.fold(0.0, f32::max) < 15.0);
     }
 
@@ -119,14 +136,5 @@ mod tests {
     fn an_edge_that_passes_the_eye_is_cut_off_before_it() {
         let cut = clipped([DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, 1.0, -1.0)], 0.01).unwrap();
         assert!((cut[1].z - 0.01).abs() < 1e-9);
-    }
-
-    #[test]
-    fn cameras_are_drawn_in_a_scene_of_any_unit() {
-        for unit in [1e-6, 1e6] {
-            let vantage = camera(DVec3::new(0.0, -10.0, 0.0) * unit, DVec3::ZERO);
-            let seen = frustum(&camera(DVec3::ZERO, DVec3::X * unit), &vantage, unit);
-            assert_eq!(seen.lines.len(), 8, "{unit}");
-        }
     }
 }

@@ -64,14 +64,13 @@ impl OverlookApp {
             ViewCommand::Holes(holes) => self.show_holes(holes),
             ViewCommand::Home => {
                 let up = self.state.up_in_world();
-                self.state.live.orbit =
-                    self.state.doc.scene.as_ref().and_then(|scene| OrbitCamera::home(scene, up));
+                let scene = self.state.doc.scene.as_ref();
+                self.state.live.orbit = scene.and_then(|scene| OrbitCamera::home(scene, up));
                 self.state.source.part = PictureZoom::default();
             }
             ViewCommand::JumpTo(index) => {
-                let scene = self.state.doc.scene.as_ref();
-                if let Some((scene, camera)) =
-                    scene.and_then(|scene| Some((scene, scene.cameras.get(index)?)))
+                if let Some(scene) = &self.state.doc.scene
+                    && let Some(camera) = scene.cameras.get(index)
                 {
                     live.orbit = Some(OrbitCamera::at_camera(scene, camera));
                 }
@@ -113,11 +112,8 @@ impl OverlookApp {
         match path_to_json(self.state.up_in_world(), &[view], Easing::Linear) {
             Ok(text) => {
                 self.ctx.copy_text(text);
-                self.state.notify(
-                    NoticeKind::Done,
-                    "View copied",
-                    "Ctrl+V moves the view here again, in any window.",
-                );
+                let text = "Ctrl+V moves the view here again, in any window.";
+                self.state.notify(NoticeKind::Done, "View copied", text);
             }
             Err(error) => self.state.notify(NoticeKind::Error, "View not copied", error.to_string()),
         }
@@ -134,12 +130,12 @@ impl OverlookApp {
         } else {
             path_from_json(bytes, Path::new("clipboard")).map_err(|error| error.to_string())
         };
-        match views.map(|views| views.into_iter().next()) {
-            Ok(Some(view)) => {
-                let key = key_of(&scene, &view);
-                self.go_to_key(key);
+        match views {
+            Ok(views) => {
+                if let Some(view) = views.first() {
+                    self.go_to_key(key_of(&scene, view));
+                }
             }
-            Ok(None) => {}
             Err(why) => {
                 let text = format!(
                     "What was copied is no view and no address of one: {why}. Copy one in the View panel (Ctrl+C)."
@@ -187,21 +183,18 @@ impl OverlookApp {
             }
             return;
         }
-        let probed = self.state.doc.probe.shown.clone();
-        let point = probed.as_ref().and_then(|probed| probed.point_in_world);
-        if let (Some(point), Some(orbit)) = (point, &mut self.state.live.orbit) {
-            orbit.look_at(point);
-            return;
+        match self.state.doc.probe.shown.as_ref().map(|probed| probed.point_in_world) {
+            Some(Some(point)) => self.turn(|orbit| orbit.look_at(point)),
+            Some(None) => {
+                let text = "This pixel is infinitely far away; point at another one.";
+                self.state.warn_of_scene("No point here", text);
+            }
+            None => {
+                self.state.warn_of_scene("Point at a pixel first", "F then centers the live view on it.");
+            }
         }
-        let (title, text) = match probed {
-            Some(_) => ("No point here", "This pixel is infinitely far away; point at another one."),
-            None => ("Point at a pixel first", "F then centers the live view on it."),
-        };
-        self.state.warn_of_scene(title, text);
     }
-}
 
-impl OverlookApp {
     /// Carries out what concerns views that are kept.
     fn apply_to_kept_views(&mut self, command: KeptViewCommand) {
         let kept = &mut self.state.doc.kept_views;
@@ -219,16 +212,7 @@ impl OverlookApp {
                 let view = kept.view.clone();
                 self.go_to_view(&scene, &view);
             }
-            KeptViewCommand::Rename(index, name) => {
-                if let Some(kept) = kept.get_mut(index) {
-                    kept.name = name;
-                }
-            }
-            KeptViewCommand::Remove(index) => {
-                if index < kept.len() {
-                    kept.remove(index);
-                }
-            }
+            KeptViewCommand::Change(changed) => *kept = changed,
         }
     }
 
@@ -248,9 +232,7 @@ impl OverlookApp {
         let picture = self.ctx.load_texture("view", smaller(picture), TextureOptions::LINEAR);
         self.state.doc.view_pictures.keep(view, picture, &wanted);
     }
-}
 
-impl OverlookApp {
     /// Takes in a live picture. If the view has moved on, what is shown stays until this picture is carried to where the view is: it
     /// would jump back.
     pub(crate) fn live_painted(&mut self, key: LiveKey, picture: Arc<LivePicture>) {
@@ -292,17 +274,13 @@ impl OverlookApp {
 
     /// The texture that shows a picture of the live view; `None` if it is on the GPU and the window does not draw with one.
     fn texture_of(&self, picture: &LivePicture, replaced: Option<Texture>) -> Option<Texture> {
-        match &picture.pixels {
-            PixelSource::InMemory { image, .. } => {
-                let options = options_of(image.size, &self.state);
-                Some(Texture::send(&self.ctx, "live", options, image, replaced))
-            }
+        let options = options_of(picture.size, &self.state);
+        Some(match &picture.pixels {
+            PixelSource::InMemory { image, .. } => Texture::send(&self.ctx, "live", options, image, replaced),
             PixelSource::OnAdapter(painted) => {
-                let options =
-                    options_of([painted.width(), painted.height()].map(|side| side as usize), &self.state);
-                Some(Texture::painted(self.window.as_ref()?, options, painted, replaced))
+                Texture::painted(self.window.as_ref()?, options, painted, replaced)
             }
-        }
+        })
     }
 }
 

@@ -5,7 +5,7 @@ pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;
 
-use egui::TextureId;
+use egui::{Rect, TextureId};
 
 use crate::address::ViewAddress;
 use crate::app::model::camera::OrbitCamera;
@@ -49,17 +49,19 @@ impl State {
     /// The camera of the picture that the live view shows, for `width × height` pixels over it: what is drawn there lies where the
     /// picture shows it. Before the first picture, that of the view.
     pub(crate) fn seen_camera(&self, size: [u32; 2]) -> Option<Camera> {
-        match self.live_seen() {
-            Some(seen) => {
-                let intrinsics = seen.camera.intrinsics.resized(size[0], size[1]);
-                Some(Camera { intrinsics, ..seen.camera.clone() })
-            }
-            None => self.live_camera(size),
-        }
+        let Some(seen) = self.live_seen() else { return self.live_camera(size) };
+        let intrinsics = seen.camera.intrinsics.resized(size[0], size[1]);
+        Some(Camera { intrinsics, ..seen.camera.clone() })
     }
-}
 
-impl State {
+    /// That camera for what is drawn over the picture on a canvas: its pixels are points of the window.
+    pub(crate) fn camera_over(&self, canvas: Rect) -> Option<Camera> {
+        let mut camera = self.seen_camera([canvas.width() as u32, canvas.height() as u32])?;
+        camera.intrinsics.cx += f64::from(canvas.left());
+        camera.intrinsics.cy += f64::from(canvas.top());
+        Some(camera)
+    }
+
     /// The address of a view at a frame, without the scene's; `None` while nothing is open.
     pub(crate) fn address_of(&self, orbit: &OrbitCamera, frame: usize) -> Option<ViewAddress> {
         let scene = self.doc.scene.as_ref()?;

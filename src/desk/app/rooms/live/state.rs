@@ -173,6 +173,7 @@ impl ViewMotion {
 }
 
 /// A view that is kept.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct KeptView {
     pub name: String,
     pub view: ViewAddress,

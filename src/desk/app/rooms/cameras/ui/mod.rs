@@ -11,10 +11,9 @@ use egui::{
 use egui_material_icons::icons::{ICON_PHOTO_LIBRARY, ICON_VISIBILITY, ICON_VISIBILITY_OFF};
 
 use crate::app::camera_cues;
-use crate::app::model::command::{SourceCommand, ViewCommand};
 use crate::app::model::look::ShownCameras;
-use crate::app::model::{self, Command, Commands, OpenScene, State};
-use crate::app::rooms::cameras::mark;
+use crate::app::model::{self, Commands, OpenScene, State};
+use crate::app::rooms::cameras::{answer_clicks, mark_probe};
 use crate::app::rooms::pixel::{self, ordered};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{self, dot, empty_ui, icon_button, note, waiting};
@@ -73,16 +72,14 @@ fn thumbnails_ui(ui: &mut Ui, state: &State, scene: &OpenScene, commands: &mut C
     let area = ui.available_size();
     let order = order(state, scene);
     let height = if area.y > ROWS {
-        let ratio = |index: &usize| {
-            let (columns, rows) = scene.cameras[*index].intrinsics.size();
-            columns as f32 / rows.max(1) as f32
-        };
-        let widest = order.iter().map(ratio).fold(0.1, f32::max);
+        let widest = order.iter().map(|index| ratio(scene, *index)).fold(0.1, f32::max);
         height_of_all(area - ui.spacing().item_spacing, order.len(), widest, ui.spacing().item_spacing)
     } else {
         (area.y - space::MEDIUM).max(60.0)
     };
-    let widest = order.iter().map(|index| card_width(scene, *index, height)).fold(0.0, f32::max);
+    let width =
+        |index: &usize| ((height - CAPTION) * ratio(scene, *index)).clamp(*WIDTHS.start(), *WIDTHS.end());
+    let widest = order.iter().map(width).fold(0.0, f32::max);
     let step = vec2(widest, height) + ui.spacing().item_spacing;
     let columns = if area.y > ROWS { ((area.x / step.x) as usize).max(1) } else { order.len() };
     let rows = order.len().div_ceil(columns.max(1));
@@ -93,11 +90,11 @@ fn thumbnails_ui(ui: &mut Ui, state: &State, scene: &OpenScene, commands: &mut C
         let origin = ui.min_rect().min;
         for (place, index) in order.iter().enumerate() {
             let corner = vec2((place % columns) as f32 * step.x, (place / columns) as f32 * step.y);
-            let card = Rect::from_min_size(corner.to_pos2(), vec2(card_width(scene, *index, height), height));
+            let card = Rect::from_min_size(corner.to_pos2(), vec2(width(index), height));
             if viewport.intersects(card) {
                 let card = card.translate(origin.to_vec2());
                 ui.scope_builder(UiBuilder::new().max_rect(card).id_salt(index), |ui| {
-                    card_ui(ui, state, scene, *index, height, commands);
+                    card_ui(ui, state, scene, *index, commands);
                 });
             }
         }
@@ -119,24 +116,17 @@ fn order(state: &State, scene: &OpenScene) -> Vec<usize> {
     order
 }
 
-fn card_width(scene: &OpenScene, index: usize, height: f32) -> f32 {
+/// Width of a camera's picture over its height.
+fn ratio(scene: &OpenScene, index: usize) -> f32 {
     let (columns, rows) = scene.cameras[index].intrinsics.size();
-    ((height - CAPTION) * columns as f32 / rows.max(1) as f32).clamp(*WIDTHS.start(), *WIDTHS.end())
+    columns as f32 / rows.max(1) as f32
 }
 
-/// A camera's thumbnail with its caption, which answers clicks.
-fn card_ui(
-    ui: &mut Ui,
-    state: &State,
-    scene: &OpenScene,
-    index: usize,
-    height: f32,
-    commands: &mut Commands,
-) {
+/// A camera's thumbnail with its caption over all of its area; it answers clicks.
+fn card_ui(ui: &mut Ui, state: &State, scene: &OpenScene, index: usize, commands: &mut Commands) {
     let camera = &scene.cameras[index];
-    let width = card_width(scene, index, height);
-    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
-    let picture = Rect::from_min_size(rect.min, vec2(width, height - CAPTION));
+    let (rect, response) = ui.allocate_exact_size(ui.max_rect().size(), Sense::click());
+    let picture = rect.with_max_y(rect.bottom() - CAPTION);
     let painter = ui.painter_at(rect.expand(2.0));
     let selected = index == state.source.camera;
     thumbnail_ui(ui, &painter, picture, state, index);
@@ -145,19 +135,15 @@ fn card_ui(
         let color = if selected { tokens.accent } else { tokens.border };
         painter.rect_stroke(picture, 4.0, Stroke::new(2.0, color), StrokeKind::Outside);
     }
-    mark_probe(ui, &painter, picture, state, scene, index);
+    mark_probe(&painter.with_clip_rect(picture), picture, state, index);
     let kept = kept_words(state, index);
     let sees = probed_words(state, index);
-    caption_ui(ui, &painter, picture, index, [name_words(&camera.name, sees), kept.clone()]);
+    let name = sees.map_or_else(|| camera.name.clone(), |sees| format!("{} · {sees}", camera.name));
+    caption_ui(ui, &painter, picture, index, [name, kept.clone()]);
     response.widget_info(|| {
         egui::WidgetInfo::selected(egui::Role::Button, true, selected, format!("Camera {}", camera.name))
     });
-    if response.clicked() {
-        commands.push(Command::Source(SourceCommand::Camera(index)));
-    }
-    if response.double_clicked() {
-        commands.push(Command::View(ViewCommand::JumpTo(index)));
-    }
+    answer_clicks(&response, index, commands);
     overlay::menu(ui, &response, state, Some(index), commands);
     response.on_hover_ui(|ui| {
         let (columns, rows) = camera.intrinsics.size();
@@ -175,17 +161,6 @@ fn thumbnail_ui(ui: &Ui, painter: &Painter, picture: Rect, state: &State, index:
     } else {
         waiting(ui, picture, 18.0);
     }
-}
-
-/// Marks the selected point in a camera's thumbnail.
-fn mark_probe(ui: &Ui, painter: &Painter, picture: Rect, state: &State, scene: &OpenScene, index: usize) {
-    let probe = &state.doc.probe;
-    let probed = probe.shown.as_ref();
-    let Some((at, sees)) = probed.and_then(|probed| probed.in_camera(&scene.cameras, index)) else { return };
-    let (columns, rows) = scene.cameras[index].intrinsics.size();
-    let scale = vec2(picture.width() / columns as f32, picture.height() / rows as f32);
-    let at = picture.min + at.to_vec2() * scale;
-    mark(&painter.with_clip_rect(picture), at, sees, probe.pinned, Tokens::in_ui(ui));
 }
 
 /// Two lines below a thumbnail, the first beside the camera's sign.
@@ -210,10 +185,6 @@ fn probed_words(state: &State, index: usize) -> Option<&'static str> {
     let explanation = state.doc.probe.shown.as_ref()?.explanation.as_ref()?;
     let row = explanation.evidence.iter().find(|row| row.camera == index)?;
     Some(pixel::sees(row).0)
-}
-
-fn name_words(name: &str, sees: Option<&str>) -> String {
-    sees.map_or_else(|| name.to_owned(), |sees| format!("{name} · {sees}"))
 }
 
 fn kept_words(state: &State, index: usize) -> String {
@@ -241,16 +212,25 @@ struct ListLook {
     scrolled_to: Option<u64>,
 }
 
+/// The cameras whose names contain a text, in capitals or not.
+pub(crate) fn cameras_named(scene: &OpenScene, text: &str) -> Vec<usize> {
+    let wanted = text.to_lowercase();
+    let is_named = |index: &usize| scene.cameras[*index].name.to_lowercase().contains(&wanted);
+    (0..scene.cameras.len()).filter(is_named).collect()
+}
+
 /// The list, with a field that filters it. A camera that is chosen elsewhere is scrolled to.
-pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+pub(crate) fn camera_list_ui(
+    ui: &mut Ui,
+    state: &State,
+    cameras: &mut ShownCameras,
+    commands: &mut Commands,
+) {
     let Some(scene) = &state.doc.scene else { return };
-    let cameras = &state.live.cameras;
     ui.horizontal(|ui| {
-        for (name, on) in [("All on", true), ("All off", false)] {
+        for (name, off) in [("All on", 0..0), ("All off", 0..scene.cameras.len())] {
             if ui.button(name).clicked() {
-                let off = if on { 0..0 } else { 0..scene.cameras.len() };
-                let cameras = ShownCameras { off: off.collect(), solo: None };
-                commands.push(Command::View(ViewCommand::look(&state.live, |live| live.cameras = cameras)));
+                *cameras = ShownCameras { off: off.collect(), solo: None };
             }
         }
         let shown = (0..scene.cameras.len()).filter(|camera| cameras.shows(*camera)).count();
@@ -266,22 +246,14 @@ pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands
     let now = ui.ctx().cumulative_frame_nr();
     let is_new = state.source.chosen_at.is_some_and(|at| now <= at + NEW)
         && look.scrolled_to != state.source.chosen_at;
-    let matching_to = |filter: &str| -> Vec<usize> {
-        let (wanted, cameras) = (filter.to_lowercase(), scene.cameras.iter().enumerate());
-        cameras
-            .filter(|(_, camera)| camera.name.to_lowercase().contains(&wanted))
-            .map(|(index, _)| index)
-            .collect()
-    };
-    let mut matching = matching_to(&look.filter);
+    let mut matching = cameras_named(scene, &look.filter);
     if is_new {
         look.scrolled_to = state.source.chosen_at;
         if !matching.contains(&chosen) {
             look.filter.clear();
-            matching = matching_to("");
+            matching = cameras_named(scene, "");
         }
-        look.shows_all |=
-            matching.iter().position(|index| *index == chosen).is_some_and(|place| place >= FEW);
+        look.shows_all |= matching.iter().skip(FEW).any(|index| *index == chosen);
     }
     let shown = if look.shows_all { matching.len() } else { matching.len().min(FEW) };
     ui.spacing_mut().item_spacing.y = 2.0;
@@ -294,7 +266,7 @@ pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands
         if ui.is_rect_visible(place) {
             let line = UiBuilder::new().id_salt(("camera", *index)).max_rect(place);
             let mut line = ui.new_child(line.layout(Layout::left_to_right(Align::Center)));
-            row_ui(&mut line, state, *index, &scene.cameras[*index].name, commands);
+            row_ui(&mut line, state, *index, &scene.cameras[*index].name, cameras, commands);
         }
     }
     if matching.len() > FEW {
@@ -305,30 +277,29 @@ pub(crate) fn camera_list_ui(ui: &mut Ui, state: &State, commands: &mut Commands
     ui.data_mut(|data| data.insert_temp(id, look));
 }
 
-fn row_ui(ui: &mut Ui, state: &State, index: usize, name: &str, commands: &mut Commands) {
-    let cameras = &state.live.cameras;
+fn row_ui(
+    ui: &mut Ui,
+    state: &State,
+    index: usize,
+    name: &str,
+    cameras: &mut ShownCameras,
+    commands: &mut Commands,
+) {
     let is_on = !cameras.off.contains(&index);
     let (icon, verb) = if is_on { (ICON_VISIBILITY, "Hide") } else { (ICON_VISIBILITY_OFF, "Show") };
     let help = format!("{verb} the samples of {name} in the live view");
     if icon_button(ui, icon, &format!("{verb} {name}"), &help).clicked() {
-        commands
-            .push(Command::View(ViewCommand::look(&state.live, |live| live.cameras.switch(index, !is_on))));
+        cameras.switch(index, !is_on);
     }
     let is_solo = cameras.solo == Some(index);
     let solo = ui.selectable_label(is_solo, "Solo").accessible_name(format!("Solo {name}"));
     if solo.on_hover_text("Show its samples alone").clicked() {
-        let solo = (!is_solo).then_some(index);
-        commands.push(Command::View(ViewCommand::look(&state.live, |live| live.cameras.solo = solo)));
+        cameras.solo = (!is_solo).then_some(index);
     }
     dot(ui, index);
     let chosen = overlay::is_chosen(state, index);
     let label = ui.selectable_label(chosen, name).accessible_name(format!("Camera {name}"));
-    let label = label.on_hover_text(overlay::clicks(state));
-    if label.double_clicked() {
-        commands.push(Command::View(ViewCommand::JumpTo(index)));
-    } else if label.clicked() {
-        commands.push(Command::Source(SourceCommand::Camera(index)));
-    }
+    answer_clicks(&label.on_hover_text(overlay::clicks(state)), index, commands);
 }
 
 #[cfg(test)]

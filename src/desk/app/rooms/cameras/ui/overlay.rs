@@ -1,14 +1,14 @@
 //! The cameras in the live view: pyramids with their pictures in them, which are pointed at, clicked and double-clicked.
 
 use egui::epaint::Vertex;
-use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, pos2, vec2};
+use egui::{Color32, Mesh, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, pos2};
 use glam::DVec2;
 
 use crate::app::camera_cues;
 use crate::app::model::command::{SourceCommand, ViewCommand, WindowCommand};
 use crate::app::model::window::DockView;
-use crate::app::model::{Command, Commands, OpenScene, State};
-use crate::app::rooms::cameras::{as_drawn, frustum};
+use crate::app::model::{Command, Commands, State};
+use crate::app::rooms::cameras::{answer_clicks, as_drawn, frustum, projected};
 
 /// Length of a camera's pyramid, as a share of its distance to what all look at.
 const PYRAMID: f64 = 0.12;
@@ -35,12 +35,9 @@ pub(crate) struct ProjectedCamera {
 }
 
 /// The cameras in view, the farthest first.
-pub(crate) fn seen_cameras(canvas: Rect, state: &State, scene: &OpenScene) -> Vec<ProjectedCamera> {
-    let size = [canvas.width() as u32, canvas.height() as u32];
-    let Some(vantage) = state.seen_camera(size).filter(|_| state.live.show_cameras) else {
-        return Vec::new();
-    };
-    let at = |pixel: DVec2| canvas.min + vec2(pixel.x as f32, pixel.y as f32);
+pub(crate) fn seen_cameras(canvas: Rect, state: &State) -> Vec<ProjectedCamera> {
+    let vantage = state.camera_over(canvas).filter(|_| state.live.show_cameras);
+    let Some((scene, vantage)) = state.doc.scene.as_ref().zip(vantage) else { return Vec::new() };
     let mut seen = Vec::new();
     for (index, camera) in scene.cameras.iter().enumerate() {
         let to_pivot = (scene.pivot_in_world - camera.position_in_world()).length();
@@ -51,20 +48,19 @@ pub(crate) fn seen_cameras(canvas: Rect, state: &State, scene: &OpenScene) -> Ve
         if presence == 0.0 {
             continue;
         }
-        let (shape, drawn) = (frustum(camera, &vantage, length), as_drawn(camera));
+        let drawn = as_drawn(camera);
         let (width, height) = (f64::from(camera.intrinsics.width), f64::from(camera.intrinsics.height));
         let steps = 0..=PATCHES;
         let places = steps.clone().flat_map(|row| steps.clone().map(move |column| (column, row)));
         let picture = places.map(|(column, row)| {
             let share = [column, row].map(|step| step as f64 / PATCHES as f64);
-            let point = drawn.unproject(DVec2::new(share[0] * width, share[1] * height), length);
-            vantage.project(point).map(|(pixel, _)| at(pixel))
+            let pixel = DVec2::new(share[0] * width, share[1] * height);
+            projected(&vantage, drawn.unproject(pixel, length))
         });
-        let line = |line: [Pos2; 2]| line.map(|point| canvas.min + point.to_vec2());
         seen.push(ProjectedCamera {
             index,
-            lines: shape.lines.into_iter().map(line).collect(),
-            apex: shape.apex.map(|apex| canvas.min + apex.to_vec2()),
+            lines: frustum(camera, &vantage, length),
+            apex: projected(&vantage, camera.position_in_world()),
             picture: picture.collect(),
             apart,
             presence,
@@ -124,11 +120,9 @@ fn is_hit(camera: &ProjectedCamera, canvas: Rect, pointer: Pos2) -> bool {
 
 /// Draws the cameras, the one that is pointed at on top.
 pub(crate) fn draw(painter: &Painter, state: &State, seen: &[ProjectedCamera], pointed_at: Option<usize>) {
-    for camera in seen.iter().filter(|camera| Some(camera.index) != pointed_at) {
-        draw_camera(painter, state, camera, false);
-    }
-    for camera in seen.iter().filter(|camera| Some(camera.index) == pointed_at) {
-        draw_camera(painter, state, camera, true);
+    for is_pointed_at in [false, true] {
+        let cameras = seen.iter().filter(|camera| (Some(camera.index) == pointed_at) == is_pointed_at);
+        cameras.for_each(|camera| draw_camera(painter, state, camera, is_pointed_at));
     }
 }
 
@@ -180,17 +174,11 @@ pub(crate) fn answer(
 ) -> bool {
     let Some(camera) = pointed_at.filter(|_| !response.dragged()) else { return false };
     ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
-    let name =
-        state.doc.scene.as_ref().and_then(|scene| scene.cameras.get(camera)).map(|camera| &camera.name);
-    if let Some(name) = name {
-        let help = format!("{name}\n{} Right-click: more.", clicks(state));
+    if let Some(named) = state.doc.scene.as_ref().and_then(|scene| scene.cameras.get(camera)) {
+        let help = format!("{}\n{} Right-click: more.", named.name, clicks(state));
         response.clone().on_hover_text_at_pointer(help);
     }
-    if response.double_clicked() {
-        commands.push(Command::View(ViewCommand::JumpTo(camera)));
-    } else if response.clicked() {
-        commands.push(Command::Source(SourceCommand::Camera(camera)));
-    }
+    answer_clicks(response, camera, commands);
     true
 }
 

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use egui::{
     Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2,
 };
-use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
+use glam::{DMat3, DQuat, DVec3, EulerRot};
 use half::f16;
 
 use crate::app::model::command::{Combine, EditCommand, EditTool};
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::cameras::{clipped, projected};
+use crate::app::rooms::cameras::{projected, segment};
 use crate::app::rooms::edits::state::last_shape;
 use crate::app::theme::Tokens;
 use overlook_engine::capture::Camera;
@@ -338,12 +338,6 @@ impl ShapeFrame {
     }
 }
 
-/// Where a point of the world lies in the live view.
-fn place(canvas: Rect, vantage: &Camera, camera_from_world: &DAffine3, point: DVec3) -> Option<Pos2> {
-    let at = projected(vantage, camera_from_world.transform_point3(point))?;
-    Some(canvas.min + at.to_vec2())
-}
-
 /// Draws the shape that is selected, and drags its handles; true while one is under the pointer or dragged.
 pub(crate) fn shape_ui(
     ui: &Ui,
@@ -354,22 +348,18 @@ pub(crate) fn shape_ui(
 ) -> bool {
     let Some(mut selection) = state.doc.edits.selection.clone() else { return false };
     let Some(shape) = last_shape(&mut selection) else { return false };
-    let size = [canvas.width() as u32, canvas.height() as u32];
-    let (Some(frame), Some(vantage)) = (ShapeFrame::of(shape), state.seen_camera(size)) else { return false };
+    let (Some(frame), Some(vantage)) = (ShapeFrame::of(shape), state.camera_over(canvas)) else {
+        return false;
+    };
     let tokens = Tokens::of(state.dark);
     let painter = painter.with_clip_rect(canvas);
-    let camera_from_world = vantage.camera_from_world();
     let near = 1e-3 * frame.sides[0].length().max(1e-9);
-    for [a, b] in frame.lines() {
-        let ends = [a, b].map(|point| camera_from_world.transform_point3(point));
-        let Some([a, b]) = clipped(ends, near) else { continue };
-        let (Some(a), Some(b)) = (projected(&vantage, a), projected(&vantage, b)) else { continue };
-        let line = [canvas.min + a.to_vec2(), canvas.min + b.to_vec2()];
+    for line in frame.lines().into_iter().filter_map(|line| segment(&vantage, line, near)) {
         painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(120)));
         painter.line_segment(line, Stroke::new(1.4, tokens.mark));
     }
     let mut is_taken = false;
-    let Some(middle) = place(canvas, &vantage, &camera_from_world, frame.center) else { return false };
+    let Some(middle) = projected(&vantage, frame.center) else { return false };
     let handle = |at: Pos2, name: &str| {
         let area = Rect::from_center_size(at, Vec2::splat(HANDLE));
         let response =
@@ -395,9 +385,7 @@ pub(crate) fn shape_ui(
     let mut grown: Option<(usize, f64, DVec3)> = None;
     for (axis, side) in frame.sides.into_iter().enumerate() {
         for sign in [1.0, -1.0] {
-            let Some(at) = place(canvas, &vantage, &camera_from_world, frame.center + side * sign) else {
-                continue;
-            };
+            let Some(at) = projected(&vantage, frame.center + side * sign) else { continue };
             if !canvas.contains(at) {
                 continue;
             }

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use egui::{Align2, Color32, Painter, Pos2, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use half::f16;
 
 use crate::app::model::camera::OrbitCamera;
 use crate::app::model::command::ViewCommand;
 use crate::app::model::look::FrameGuide;
+use crate::app::model::picture::PictureZoom;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::cameras::{clipped, projected};
+use crate::app::rooms::cameras::{projected, segment};
 use crate::app::theme::Tokens;
 use crate::app::widgets::plate;
 use overlook_engine::capture::Camera;
@@ -48,9 +49,7 @@ fn framed_area(area: Rect, state: &State) -> Rect {
     let Some([width, height]) = state.framed_size().map(|size| size.map(|side| side as f32)) else {
         return area;
     };
-    let scale = (area.width() / width).min(area.height() / height);
-    let size = vec2((width * scale).max(1.0), (height * scale).max(1.0));
-    Rect::from_center_size(area.center(), size).intersect(area)
+    PictureZoom::default().placed(vec2(width, height), area)
 }
 
 /// Draws the guides, and looks along the axis that is clicked.
@@ -61,8 +60,7 @@ pub(crate) fn guides_ui(
     state: &State,
     commands: &mut Commands,
 ) {
-    let size = [canvas.width() as u32, canvas.height() as u32];
-    let (Some(orbit), Some(vantage)) = (&state.live.orbit, state.seen_camera(size)) else { return };
+    let (Some(orbit), Some(vantage)) = (&state.live.orbit, state.camera_over(canvas)) else { return };
     if state.live.guides.grid {
         ground(painter, canvas, state, orbit, &vantage);
     }
@@ -104,32 +102,33 @@ fn spacing(pivot_distance: f64) -> f64 {
 /// Lines of the ground at the height of the world's origin, below the pivot; faint where the picture is in front of them.
 fn ground(painter: &Painter, canvas: Rect, state: &State, orbit: &OrbitCamera, vantage: &Camera) {
     let up = orbit.up_in_world();
-    let [a, b] = {
-        let (a, b) = up.any_orthonormal_pair();
-        if up == DVec3::Z { [DVec3::X, DVec3::Y] } else { [a, b] }
-    };
+    let (a, b) = if up == DVec3::Z { (DVec3::X, DVec3::Y) } else { up.any_orthonormal_pair() };
     let step = spacing(orbit.pivot_distance);
     let pivot = orbit.world_from_camera.transform_point3(DVec3::Z * orbit.pivot_distance);
-    let middle = [a, b].map(|axis| (pivot.dot(axis) / step).round() * step);
+    let [at_a, at_b] = [a, b].map(|axis| (pivot.dot(axis) / step).round() * step);
     let tokens = Tokens::of(state.dark);
-    let eye = GroundEye {
-        vantage,
-        camera_from_world: vantage.camera_from_world(),
-        near: NEAR * orbit.pivot_distance,
+    let is_hidden = |[start, end]: [DVec3; 2]| {
+        let (pixel, depth) = vantage.project(start.midpoint(end))?;
+        let inverse_depth = inverse_depth_at(state, canvas, pos2(pixel.x as f32, pixel.y as f32))?;
+        // The picture may show the ground itself, which then must not hide its lines.
+        Some(inverse_depth * depth * 0.97 > 1.0)
     };
     let reach = f64::from(LINES) * step;
-    for (along, across, [from, at]) in [(a, b, middle), (b, a, [middle[1], middle[0]])] {
+    for (along, across, from, at) in [(a, b, at_a, at_b), (b, a, at_b, at_a)] {
         for line in -LINES..=LINES {
             let place = at + f64::from(line) * step;
             let is_axis = place.abs() < step * 1e-6;
             let color = if is_axis { Tokens::axis_of(along) } else { tokens.on_scrim };
             for part in 0..PARTS {
-                let [start, end] = [part, part + 1].map(|part| {
+                let ends = [part, part + 1].map(|part| {
                     let share = f64::from(part) / f64::from(PARTS) * 2.0 - 1.0;
                     along * (from + share * reach) + across * place
                 });
-                let part = GroundPart { ends: [start, end], fade: fade(line, part) };
-                ground_part(painter, canvas, state, &eye, &part, color);
+                let fade = fade(line, part);
+                let seen = segment(vantage, ends, NEAR * orbit.pivot_distance);
+                let Some(seen) = seen.filter(|_| fade > 0.0) else { continue };
+                let strength = fade * if is_hidden(ends) == Some(true) { 0.07 } else { 0.5 };
+                painter.line_segment(seen, Stroke::new(1.0, color.gamma_multiply(strength)));
             }
         }
     }
@@ -137,58 +136,18 @@ fn ground(painter: &Painter, canvas: Rect, state: &State, orbit: &OrbitCamera, v
     plate(painter, canvas.right_bottom() + vec2(-8.0, -8.0), Align2::RIGHT_BOTTOM, &text, tokens);
 }
 
-/// The camera that the ground is drawn for.
-struct GroundEye<'a> {
-    vantage: &'a Camera,
-    camera_from_world: DAffine3,
-    /// Depth at which lines are cut off, world units.
-    near: f64,
-}
-
-struct GroundPart {
-    /// World space.
-    ends: [DVec3; 2],
-    /// 1 in the middle of the ground, 0 at its edge.
-    fade: f32,
-}
-
+/// How strong a part of a line is: 1 in the middle of the ground, 0 at its edge.
 fn fade(line: i32, part: i32) -> f32 {
     let across = line as f32 / LINES as f32;
     let along = (part as f32 + 0.5) / PARTS as f32 * 2.0 - 1.0;
     (1.0 - across.hypot(along)).clamp(0.0, 1.0)
 }
 
-fn ground_part(
-    painter: &Painter,
-    canvas: Rect,
-    state: &State,
-    eye: &GroundEye<'_>,
-    part: &GroundPart,
-    color: Color32,
-) {
-    let ends = part.ends.map(|end| eye.camera_from_world.transform_point3(end));
-    let Some(ends) = clipped(ends, eye.near).filter(|_| part.fade > 0.0) else { return };
-    let middle = (ends[0] + ends[1]) / 2.0;
-    let [Some(start), Some(end), Some(center)] =
-        [ends[0], ends[1], middle].map(|end| projected(eye.vantage, end))
-    else {
-        return;
-    };
-    let at = |point: Pos2| canvas.min + point.to_vec2();
-    // The picture may show the ground itself, which then must not hide its lines.
-    let hidden = is_seen(state, canvas, at(center), middle.z * 0.97).is_some_and(|seen| !seen);
-    let strength = part.fade * if hidden { 0.07 } else { 0.5 };
-    painter.line_segment([at(start), at(end)], Stroke::new(1.0, color.gamma_multiply(strength)));
-}
-
 /// The distance that is measured, between its points.
 fn ruler(painter: &Painter, canvas: Rect, state: &State, vantage: &Camera) {
     let ruler = &state.live.ruler;
     let tokens = Tokens::of(state.dark);
-    let places: Vec<Pos2> = (ruler.points.iter())
-        .filter_map(|point| vantage.project(*point))
-        .map(|(pixel, _)| canvas.min + vec2(pixel.x as f32, pixel.y as f32))
-        .collect();
+    let places: Vec<Pos2> = ruler.points.iter().filter_map(|point| projected(vantage, *point)).collect();
     if let [a, b] = places.as_slice() {
         for (width, color) in [(4.0, Color32::from_black_alpha(170)), (2.0, tokens.mark)] {
             painter.line_segment([*a, *b], Stroke::new(width, color));
@@ -217,12 +176,9 @@ fn axes_ui(ui: &mut Ui, painter: &Painter, canvas: Rect, vantage: &Camera, comma
     let scale = (canvas.height() / ROOM_OF_AXES).clamp(SHORTEST_AXES, 1.0);
     let middle = canvas.left_bottom() + FROM_CORNER * scale;
     let camera_from_world = vantage.world_from_camera.matrix3.transpose();
-    let mut ends: Vec<(DVec3, DVec3, &str)> = Vec::new();
-    for (axis, names) in [(DVec3::X, ["X", "−X"]), (DVec3::Y, ["Y", "−Y"]), (DVec3::Z, ["Z", "−Z"])] {
-        for (axis, name) in [(axis, names[0]), (-axis, names[1])] {
-            ends.push((camera_from_world * axis, axis, name));
-        }
-    }
+    let ends = [(DVec3::X, ["X", "−X"]), (DVec3::Y, ["Y", "−Y"]), (DVec3::Z, ["Z", "−Z"])];
+    let ends = ends.into_iter().flat_map(|(axis, [name, opposite])| [(axis, name), (-axis, opposite)]);
+    let mut ends: Vec<_> = ends.map(|(axis, name)| (camera_from_world * axis, axis, name)).collect();
     ends.sort_by(|a, b| b.0.z.total_cmp(&a.0.z));
     painter.circle_filled(middle, (AXIS + 12.0) * scale, tokens.scrim.gamma_multiply(0.6));
     for (direction, axis, name) in ends {
@@ -248,11 +204,6 @@ fn axes_ui(ui: &mut Ui, painter: &Painter, canvas: Rect, vantage: &Camera, comma
     }
 }
 
-/// Whether the live picture shows nothing nearer than this depth at a place; `None` where that is not known.
-pub(crate) fn is_seen(state: &State, canvas: Rect, at: Pos2, depth: f64) -> Option<bool> {
-    inverse_depth_at(state, canvas, at).map(|inverse_depth| inverse_depth * depth <= 1.0)
-}
-
 /// Inverse depth of the live picture at a place; negative in holes, `None` where its pixels cannot be read.
 pub(crate) fn inverse_depth_at(state: &State, canvas: Rect, at: Pos2) -> Option<f64> {
     let depth = state.live_seen()?.inverse_depth?;
@@ -276,7 +227,7 @@ pub(crate) fn color_under(state: &State, canvas: Rect, at: Pos2) -> Option<[f16;
 }
 
 /// Column and row of a picture over the canvas at a place; `None` outside.
-fn place_in((width, height): (usize, usize), canvas: Rect, at: Pos2) -> Option<(usize, usize)> {
+pub(crate) fn place_in((width, height): (usize, usize), canvas: Rect, at: Pos2) -> Option<(usize, usize)> {
     let share = (at - canvas.min) / canvas.size();
     let place = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
     (share.min_elem() >= 0.0 && place.0 < width && place.1 < height).then_some(place)

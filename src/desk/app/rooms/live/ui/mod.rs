@@ -3,7 +3,9 @@
 mod guides;
 pub(crate) mod panel;
 
-use egui::{Button, Label, Painter, PointerButton, Rect, Response, RichText, Sense, TextStyle, Ui, vec2};
+use egui::{
+    Button, Label, Painter, PointerButton, Rect, Response, RichText, Sense, TextStyle, Ui, pos2, vec2,
+};
 use egui_material_icons::icons::{ICON_HOME, ICON_VIDEOCAM, ICON_VIDEOCAM_OFF};
 use glam::DVec2;
 
@@ -20,7 +22,7 @@ use crate::app::rooms::cameras::ui::overlay::{camera_at, seen_cameras};
 use crate::app::rooms::change::ui as change;
 use crate::app::rooms::edits::ui::drawing::{self, Drawn, PicturePlace, shape_ui};
 use crate::app::rooms::edits::ui::tools_ui;
-use crate::app::rooms::live::ui::guides::{color_under, inverse_depth_at, pixel_at};
+use crate::app::rooms::live::ui::guides::{color_under, inverse_depth_at, pixel_at, place_in};
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::pixel::{FAILED_FRAME, verdict};
 use crate::app::rooms::source::ui::{FOOTER, legend, point_at};
@@ -125,7 +127,7 @@ fn picture_ui(ui: &mut Ui, room: Rect, state: &State, commands: &mut Commands) {
         }
     }
     change::glows(&painter, canvas, state);
-    let seen = state.doc.scene.as_ref().map_or_else(Vec::new, |scene| seen_cameras(canvas, state, scene));
+    let seen = seen_cameras(canvas, state);
     let pointed_at = camera_at(&seen, canvas, response.hover_pos().filter(|_| !state.live.ruler.active));
     cameras_overlay::draw(&painter, state, &seen, pointed_at);
     if let Some(seen) = state.seen_camera([canvas.width() as u32, canvas.height() as u32]) {
@@ -186,13 +188,8 @@ fn draw_ui(
                 let vantage = state.seen_camera([canvas.width() as u32, canvas.height() as u32])?;
                 let Drawn { outline, strokes, .. } = drawn;
                 let frame = state.frame_number().filter(|_| state.doc.edits.tools.depth == DrawnDepth::Seen);
-                Some(Region::View {
-                    viewpoint: Viewpoint::of(&vantage),
-                    frame,
-                    outline,
-                    strokes,
-                    depth: None,
-                })
+                let viewpoint = Viewpoint::of(&vantage);
+                Some(Region::View { viewpoint, frame, outline, strokes, depth: None })
             });
         }
     }
@@ -214,32 +211,22 @@ fn measure_ui(ui: &Ui, response: &Response, canvas: Rect, state: &State, command
 fn mark_probe(painter: &Painter, canvas: Rect, state: &State) {
     let probe = &state.doc.probe;
     let point = probe.shown.as_ref().and_then(|probed| probed.point_in_world);
-    let size = [canvas.width() as u32, canvas.height() as u32];
-    if !probe.pinned && !widgets::points_at_picture(painter.ctx()) {
-        return;
-    }
-    if let (Some(point), Some(vantage)) = (point, state.seen_camera(size))
-        && let Some((position, depth)) = vantage.project(point)
-    {
-        let at = canvas.min + vec2(position.x as f32, position.y as f32);
-        let painter = painter.with_clip_rect(canvas);
-        let is_seen = shows(state, canvas, at, depth);
-        mark(&painter, at, is_seen, probe.pinned, Tokens::of(state.dark));
+    let point = point.filter(|_| probe.pinned || widgets::points_at_picture(painter.ctx()));
+    let seen = point.zip(state.camera_over(canvas)).and_then(|(point, vantage)| vantage.project(point));
+    if let Some((pixel, depth)) = seen {
+        let at = pos2(pixel.x as f32, pixel.y as f32);
+        mark(painter, at, shows(state, canvas, at, depth), probe.pinned, Tokens::of(state.dark));
     }
 }
 
 /// Selects the pixel under the pointer.
 fn probe_ui(response: &Response, canvas: Rect, state: &State, commands: &mut Commands) {
-    let (Some(pointer), Some(shown)) = (response.hover_pos(), &state.doc.live_shown) else { return };
-    if state.doc.live_carried.is_some() {
-        // What it shows is known once it is painted.
-        return;
-    }
-    let [width, height] = shown.picture.size;
-    let share = (pointer - canvas.min) / canvas.size();
-    let (x, y) = ((share.x * width as f32) as usize, (share.y * height as f32) as usize);
-    if x < width && y < height {
-        point_at(response, Spot::Live { x, y, size: [width, height] }, state, commands);
+    // What a carried picture shows is known once it is painted.
+    let shown = state.doc.live_shown.as_ref().filter(|_| state.doc.live_carried.is_none());
+    let (Some(pointer), Some(shown)) = (response.hover_pos(), shown) else { return };
+    let size = shown.picture.size;
+    if let Some((x, y)) = place_in(size.into(), canvas, pointer) {
+        point_at(response, Spot::Live { x, y, size }, state, commands);
     }
 }
 
@@ -263,14 +250,6 @@ fn point_under(state: &State, canvas: Rect, at: egui::Pos2) -> Option<glam::DVec
     (inverse_depth > 0.0).then(|| seen.camera.unproject(place, 1.0 / inverse_depth))
 }
 
-/// What a double-click asks for: to orbit about the point under the pointer, or the first view where there is none; nothing while
-/// the picture's depth cannot be read.
-fn focus(response: &Response, canvas: Rect, state: &State) -> Option<ViewCommand> {
-    state.live_seen()?.inverse_depth?;
-    let point = response.interact_pointer_pos().and_then(|at| point_under(state, canvas, at));
-    Some(point.map_or(ViewCommand::Home, ViewCommand::Focus))
-}
-
 /// Turns, shifts and zooms the view; `is_taken` where a camera answers clicks.
 fn motion(
     ui: &Ui,
@@ -281,7 +260,11 @@ fn motion(
     commands: &mut Commands,
 ) {
     if response.double_clicked() && !is_taken && !state.live.ruler.active {
-        commands.extend(focus(response, canvas, state).map(Command::View));
+        // Nothing is asked for while the depth of the picture cannot be read.
+        if state.live_seen().is_some_and(|seen| seen.inverse_depth.is_some()) {
+            let point = response.interact_pointer_pos().and_then(|at| point_under(state, canvas, at));
+            commands.push(Command::View(point.map_or(ViewCommand::Home, ViewCommand::Focus)));
+        }
         return;
     }
     let draws = state.doc.edits.tools.tool.is_some_and(|tool| tool != EditTool::Mask);
@@ -330,10 +313,7 @@ fn facts_ui(ui: &mut Ui, state: &State) {
         None if state.is_frame_failed() => FAILED_FRAME.to_owned(),
         None => "Rendering the first picture.".to_owned(),
     };
-    let notice = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.notice.as_ref());
-    let (facts, color) = match notice {
-        Some(notice) => (notice.clone(), tokens.warning),
-        None => (facts, tokens.text_weak),
-    };
+    let notice = state.doc.live_shown.as_ref().and_then(|shown| shown.picture.notice.clone());
+    let (facts, color) = notice.map_or((facts, tokens.text_weak), |notice| (notice, tokens.warning));
     one_line(ui, facts, color).on_hover_text(help);
 }

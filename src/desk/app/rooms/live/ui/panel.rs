@@ -11,9 +11,11 @@ use egui_material_icons::icons::{ICON_BOOKMARK_ADD, ICON_DELETE, ICON_PLACE};
 use crate::app::camera_cues;
 use crate::app::model::camera::{ANGLES_OF_VIEW, OrbitCamera, ViewAngles};
 use crate::app::model::command::{KeptViewCommand, ViewCommand};
-use crate::app::model::look::{FLY_SPEEDS, FrameGuide, UP_DIRECTIONS, Unit};
+use crate::app::model::look::{FLY_SPEEDS, FrameGuide, Guides, UP_DIRECTIONS, Unit};
+use crate::app::model::picture::PictureZoom;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::cameras::ui::camera_list_ui;
+use crate::app::rooms::cameras::ui::{camera_list_ui, cameras_named};
+use crate::app::rooms::live::state::LiveLook;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{
     NARROW, choice_ui, fold_ui, heading_ui, icon_button, note, picture, segments_ui, text_field_ui,
@@ -24,23 +26,28 @@ use crate::app::widgets::{
 const NEW: u64 = 4;
 
 pub(crate) fn view_panel_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let Some(orbit) = &state.live.orbit else { return };
-    let mut sent = Vec::new();
+    let Some(before) = &state.live.orbit else { return };
+    let (mut look, mut orbit) = (state.live.clone(), before.clone());
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         heading_ui(ui, "Kept views");
-        kept_views_ui(ui, state, &mut sent);
-        lens_ui(ui, orbit, &mut sent);
+        kept_views_ui(ui, state, commands);
+        lens_ui(ui, &mut orbit);
         heading_ui(ui, "Cameras");
         // The rows are closer than what follows.
-        ui.scope(|ui| camera_list_ui(ui, state, commands));
-        moving_ui(ui, state, &mut sent);
-        fold_ui(ui, "Guides", "view", false, |ui| guides_ui(ui, state, &mut sent));
-        fold_ui(ui, "Pose", "view", false, |ui| pose_ui(ui, state, orbit, &mut sent));
+        ui.scope(|ui| camera_list_ui(ui, state, &mut look.cameras, commands));
+        moving_ui(ui, &mut look, commands);
+        fold_ui(ui, "Guides", "view", false, |ui| guides_ui(ui, &mut look.guides));
+        fold_ui(ui, "Pose", "view", false, |ui| pose_ui(ui, &mut look.unit, &mut orbit));
     });
-    commands.extend(sent.into_iter().map(Command::View));
+    if orbit != *before {
+        commands.push(Command::View(ViewCommand::Camera(Box::new(orbit))));
+    }
+    if look != state.live {
+        commands.push(Command::View(ViewCommand::Look(Box::new(look))));
+    }
 }
 
-fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
+fn lens_ui(ui: &mut Ui, orbit: &mut OrbitCamera) {
     heading_ui(ui, "Lens");
     let mut degrees = orbit.angle_of_view() * 180.0 / PI;
     let range = ANGLES_OF_VIEW.map(|angle| angle * 180.0 / PI);
@@ -50,15 +57,14 @@ fn lens_ui(ui: &mut Ui, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
         // A value that is only shown is not rounded: that would count as a change.
         let slider = ui.add(slider.clamping(SliderClamping::Edits)).accessible_name("Field of view");
         if slider.on_hover_text("Horizontal angle that the lens sees.").changed() {
-            sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angle_of_view(degrees * PI / 180.0)));
+            orbit.set_angle_of_view(degrees * PI / 180.0);
         }
     });
     note(ui, format!("focal length {:.0} px of {}×{}", orbit.lens.fx, orbit.lens.width, orbit.lens.height));
 }
 
-fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewCommand>) {
-    let mut position = orbit.world_from_camera.translation;
-    let mut angles = orbit.angles();
+fn pose_ui(ui: &mut Ui, unit: &mut Unit, orbit: &mut OrbitCamera) {
+    let position = &mut orbit.world_from_camera.translation;
     let speed = orbit.pivot_distance * 0.005;
     ui.horizontal(|ui| {
         // Three numbers and their unit fit into the narrowest panel.
@@ -69,14 +75,12 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
             let drag = ui.add(drag.update_while_editing(false)).accessible_name(format!("Position {name}"));
             drag.on_hover_text("Position of the eye in world space.");
         }
-        if state.live.unit == Unit::Meters {
+        if *unit == Unit::Meters {
             ui.label("m");
         }
     });
-    if position != orbit.world_from_camera.translation {
-        sent.push(ViewCommand::camera(orbit, |orbit| orbit.world_from_camera.translation = position));
-    }
-    let before = angles;
+    let before = orbit.angles();
+    let mut angles = before;
     ui.horizontal_wrapped(|ui| {
         let ViewAngles { heading, pitch, roll } = &mut angles;
         for (name, help, value) in [
@@ -96,23 +100,18 @@ fn pose_ui(ui: &mut Ui, state: &State, orbit: &OrbitCamera, sent: &mut Vec<ViewC
         ui.add(Label::new(caption).extend());
     });
     if angles != before {
-        sent.push(ViewCommand::camera(orbit, |orbit| orbit.set_angles(angles)));
+        orbit.set_angles(angles);
     }
     ui.horizontal(|ui| {
         ui.label("Unit");
-        if let Some(unit) = segments_ui(ui, "Unit", state.live.unit, Unit::ALL) {
-            sent.push(ViewCommand::look(&state.live, |live| live.unit = unit));
-        }
+        *unit = segments_ui(ui, "Unit", *unit, Unit::ALL).unwrap_or(*unit);
     });
 }
 
-fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
-    let mut guides = state.live.guides;
+fn guides_ui(ui: &mut Ui, guides: &mut Guides) {
     ui.horizontal(|ui| {
         ui.label("Frame");
-        if let Some(frame) = segments_ui(ui, "Frame guide", guides.frame, FrameGuide::ALL) {
-            guides.frame = frame;
-        }
+        guides.frame = segments_ui(ui, "Frame guide", guides.frame, FrameGuide::ALL).unwrap_or(guides.frame);
     });
     for (name, help, on) in [
         ("Lock aspect", "Give the picture the shape of that frame.", &mut guides.locks_aspect),
@@ -122,44 +121,35 @@ fn guides_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
     ] {
         ui.add(Checkbox::new(on, name)).on_hover_text(help);
     }
-    if guides != state.live.guides {
-        sent.push(ViewCommand::look(&state.live, |live| live.guides = guides));
-    }
 }
 
-fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
+fn moving_ui(ui: &mut Ui, look: &mut LiveLook, commands: &mut Commands) {
     heading_ui(ui, "Navigation");
     Grid::new("moving").num_columns(2).spacing([space::LARGE, 6.0]).show(ui, |ui| {
         ui.label("Fly speed");
-        let mut speed = state.live.fly_speed;
-        let slider = Slider::new(&mut speed, FLY_SPEEDS).logarithmic(true).suffix("×").max_decimals(2);
+        let slider = Slider::new(&mut look.fly_speed, FLY_SPEEDS).logarithmic(true);
         let help = "Speed of W A S D, Q E; [ and ] change it, Shift is four times as fast.";
-        let slider = slider.clamping(SliderClamping::Edits);
-        if ui.add(slider).accessible_name("Fly speed").on_hover_text(help).changed() {
-            sent.push(ViewCommand::look(&state.live, |live| live.fly_speed = speed));
-        }
+        let slider = slider.suffix("×").max_decimals(2).clamping(SliderClamping::Edits);
+        ui.add(slider).accessible_name("Fly speed").on_hover_text(help);
         ui.end_row();
         let up = ui.label("Up");
         let now = ui.ctx().cumulative_frame_nr();
-        if state.live.up_wanted_at.is_some_and(|at| now <= at + NEW) {
+        if look.up_wanted_at.is_some_and(|at| now <= at + NEW) {
             up.scroll_to_me(Some(egui::Align::Center));
         }
-        if let Some(up) = choice_ui(ui, "Up axis", state.live.up, &UP_DIRECTIONS, 106.0) {
-            sent.push(ViewCommand::Up(up));
+        if let Some(up) = choice_ui(ui, "Up axis", look.up, &UP_DIRECTIONS, 106.0) {
+            commands.push(Command::View(ViewCommand::Up(up)));
         }
         ui.end_row();
         ui.label("Distance");
         ui.horizontal(|ui| {
-            let ruler = &state.live.ruler;
-            let button = ui.selectable_label(ruler.active, "Measure distance");
-            if button
-                .on_hover_text("Click two points of the live view to measure between them (M).")
-                .clicked()
-            {
-                sent.push(ViewCommand::look(&state.live, |live| live.ruler.measure(!ruler.active)));
+            let button = ui.selectable_label(look.ruler.active, "Measure distance");
+            let help = "Click two points of the live view to measure between them (M).";
+            if button.on_hover_text(help).clicked() {
+                look.ruler.measure(!look.ruler.active);
             }
-            if let Some(distance) = ruler.distance() {
-                ui.label(RichText::new(state.live.unit.length(distance)).strong());
+            if let Some(distance) = look.ruler.distance() {
+                ui.label(RichText::new(look.unit.length(distance)).strong());
             }
         });
         ui.end_row();
@@ -169,30 +159,34 @@ fn moving_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
 /// Room for the button behind a name, points.
 const BUTTON: f32 = 30.0;
 
-pub(crate) fn kept_views_ui(ui: &mut Ui, state: &State, sent: &mut Vec<ViewCommand>) {
-    let kept = &state.doc.kept_views;
-    for (index, kept) in kept.iter().enumerate() {
+fn kept_views_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+    let mut kept = state.doc.kept_views.clone();
+    let mut send = |command| commands.push(Command::View(ViewCommand::Kept(command)));
+    let mut removed = None;
+    for (index, kept) in kept.iter_mut().enumerate() {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = space::SMALL;
-            let picture = state.doc.view_pictures.of(&kept.view);
-            if view_picture_ui(ui, picture, &kept.name) {
-                sent.push(ViewCommand::Kept(KeptViewCommand::GoTo(index)));
+            if view_picture_ui(ui, state.doc.view_pictures.of(&kept.view), &kept.name) {
+                send(KeptViewCommand::GoTo(index));
             }
-            let mut name = kept.name.clone();
             let width = (ui.available_width() - BUTTON).max(40.0);
-            let field = ui.add(TextEdit::singleline(&mut name).desired_width(width));
-            if field.accessible_name(format!("Name of kept view {}", index + 1)).changed() {
-                sent.push(ViewCommand::Kept(KeptViewCommand::Rename(index, name)));
-            }
+            let field = ui.add(TextEdit::singleline(&mut kept.name).desired_width(width));
+            field.accessible_name(format!("Name of kept view {}", index + 1));
             let remove = format!("Remove {}", kept.name);
             if icon_button(ui, ICON_DELETE, &remove, "Remove this view from the list.").clicked() {
-                sent.push(ViewCommand::Kept(KeptViewCommand::Remove(index)));
+                removed = Some(index);
             }
         });
     }
+    if let Some(index) = removed {
+        kept.remove(index);
+    }
+    if kept != state.doc.kept_views {
+        send(KeptViewCommand::Change(kept));
+    }
     let button = ui.button((ICON_BOOKMARK_ADD.rich_text(), "Keep view")).accessible_name("Keep view");
     if button.on_hover_text("Keep this view and its frame in the list (Ctrl+D).").clicked() {
-        sent.push(ViewCommand::Kept(KeptViewCommand::Keep));
+        send(KeptViewCommand::Keep);
     }
 }
 
@@ -216,10 +210,7 @@ pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ui.data_mut(|data| data.insert_temp(id, filter.clone()));
         }
         kept_entries_ui(ui, state, commands);
-        let wanted = filter.to_lowercase();
-        let matching: Vec<usize> = (0..scene.cameras.len())
-            .filter(|index| scene.cameras[*index].name.to_lowercase().contains(&wanted))
-            .collect();
+        let matching = cameras_named(scene, &filter);
         ui.add_space(space::SMALL);
         let mut chosen = matching.first().copied().filter(|_| entered);
         if matching.is_empty() {
@@ -229,7 +220,7 @@ pub(crate) fn go_to_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let list = ScrollArea::vertical().max_height(360.0).auto_shrink([false, true]);
         list.show_rows(ui, ROW, matching.len(), |ui, rows| {
             for index in &matching[rows] {
-                if entry_ui(ui, state, *index).clicked() {
+                if entry_ui(ui, state, *index, &scene.cameras[*index].name).clicked() {
                     chosen = Some(*index);
                 }
             }
@@ -255,11 +246,9 @@ fn kept_entries_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-fn entry_ui(ui: &mut Ui, state: &State, index: usize) -> Response {
+fn entry_ui(ui: &mut Ui, state: &State, index: usize, name: &str) -> Response {
     let tokens = Tokens::in_ui(ui);
-    let camera = &state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.cameras)[index];
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
-    let name = camera.name.as_str();
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
     if response.hovered() || response.has_focus() {
         ui.painter().rect_filled(row, 4.0, tokens.raised_hovered);
@@ -267,9 +256,7 @@ fn entry_ui(ui: &mut Ui, state: &State, index: usize) -> Response {
     let room = Rect::from_min_size(row.min + vec2(3.0, 3.0), vec2(LISTED_PICTURE, ROW - 6.0));
     ui.painter().rect_filled(room, 3.0, tokens.canvas);
     if let Some(texture) = state.doc.thumbs.get(index) {
-        let [width, height] = [camera.intrinsics.width, camera.intrinsics.height].map(|side| side as f32);
-        let scale = (room.width() / width).min(room.height() / height);
-        let area = Rect::from_center_size(room.center(), vec2(width, height) * scale);
+        let area = PictureZoom::default().placed(texture.size_vec2(), room);
         picture(ui.painter(), texture.id(), area);
     }
     let dot = egui::pos2(room.right() + 12.0, row.center().y);
