@@ -196,13 +196,8 @@ pub(crate) enum ViewCommand {
     Orbit(DVec2),
     /// Shift the right view by shares of its height.
     Pan(DVec2),
-    /// Nearer (below 1) or farther.
-    Dolly(f64),
-    /// Nearer to a point (below 1) or farther from it, which stays where it is on the screen.
-    DollyTo {
-        factor: f64,
-        point_in_world: DVec3,
-    },
+    /// Nearer (below 1) or farther: to what is orbited, or to a point in world space, which stays where it is on the screen.
+    Dolly(f64, Option<DVec3>),
     /// Fly right, down, forward, in pivot distances.
     Fly(DVec3),
     /// Look from where a camera stood.
@@ -238,7 +233,7 @@ impl ViewCommand {
 
     /// Whether it moves the view by hand, and nothing else.
     pub(crate) fn moves_view(&self) -> bool {
-        matches!(self, Self::Orbit(_) | Self::Pan(_) | Self::Dolly(_) | Self::DollyTo { .. } | Self::Fly(_))
+        matches!(self, Self::Orbit(_) | Self::Pan(_) | Self::Dolly(..) | Self::Fly(_))
     }
 }
 

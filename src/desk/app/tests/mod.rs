@@ -317,7 +317,7 @@ fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
 #[test]
 fn a_hole_that_is_clicked_is_not_kept() {
     let mut app = ready(2, 2);
-    app.apply(Command::View(ViewCommand::Dolly(4.0)));
+    app.apply(Command::View(ViewCommand::Dolly(4.0, None)));
     app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(2.0, 0.0))));
     settle(&mut app);
     let picture = app.state.doc.live_shown.as_ref().unwrap().picture.rendered().unwrap().clone();

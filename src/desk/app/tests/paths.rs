@@ -296,7 +296,7 @@ fn a_picture_of_this_view_is_saved_in_a_chosen_size_with_alpha() {
     app.state.share.options.picture_size = Some([96, 72]);
     app.apply(Command::Display(Display { background: Background::Transparent, ..Display::default() }));
     // From afar, so that there is sky around the scene.
-    app.apply(Command::View(ViewCommand::Dolly(4.0)));
+    app.apply(Command::View(ViewCommand::Dolly(4.0, None)));
     settle(&mut app);
     for file in [&png, &exr] {
         app.receive(Message::PathChosen {

@@ -83,7 +83,7 @@ fn a_view_that_was_left_by_a_jump_is_gone_back_to_and_left_again() {
     app.apply(Command::View(ViewCommand::Orbit(glam::DVec2::new(0.3, 0.1))));
     let turned = view(&app);
     app.apply(Command::View(ViewCommand::JumpTo(1)));
-    app.apply(Command::View(ViewCommand::Dolly(0.5)));
+    app.apply(Command::View(ViewCommand::Dolly(0.5, None)));
     let near = view(&app);
     app.apply(Command::View(ViewCommand::Home));
     let home = view(&app);

@@ -81,10 +81,8 @@ impl OverlookApp {
             ViewCommand::LookAlong(direction) => self.turn(|orbit| orbit.look_along(direction)),
             ViewCommand::Orbit(angles) => self.turn(|orbit| orbit.orbit(angles)),
             ViewCommand::Pan(share) => self.turn(|orbit| orbit.pan(share)),
-            ViewCommand::Dolly(factor) => self.turn(|orbit| orbit.dolly(factor)),
-            ViewCommand::DollyTo { factor, point_in_world } => {
-                self.turn(|orbit| orbit.dolly_to(factor, point_in_world));
-            }
+            ViewCommand::Dolly(factor, None) => self.turn(|orbit| orbit.dolly(factor)),
+            ViewCommand::Dolly(factor, Some(point)) => self.turn(|orbit| orbit.dolly_to(factor, point)),
             ViewCommand::Fly(steps) => self.turn(|orbit| orbit.fly(steps)),
         }
     }

@@ -106,14 +106,11 @@ fn summary_ui(ui: &mut Ui, state: &State, scene: &OpenScene, probed: &Probed, co
         };
         ui.add(Label::new(RichText::new(text).color(tokens.text_weak)).wrap());
     }
-    let point = match probed.point_in_world {
-        Some(p) => Some(format!("Point {:.3}, {:.3}, {:.3} {}", p.x, p.y, p.z, state.live.unit.name())),
-        // Not known until the capture was searched.
-        None if probed.explanation.is_none() && state.has_capture() => None,
-        None => Some("Infinitely far, or without depth".to_owned()),
-    };
-    if let Some(point) = point {
-        note(ui, point);
+    if let Some(p) = probed.point_in_world {
+        note(ui, format!("Point {:.3}, {:.3}, {:.3} {}", p.x, p.y, p.z, state.live.unit.name()));
+    } else if probed.explanation.is_some() || !state.has_capture() {
+        // Before the capture was searched, that is not known.
+        note(ui, "Infinitely far, or without depth");
     }
     for value in &probed.values {
         note(ui, value);

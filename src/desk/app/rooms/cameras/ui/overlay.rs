@@ -103,8 +103,7 @@ fn is_hit(camera: &ProjectedCamera, canvas: Rect, pointer: Pos2) -> bool {
     let Some(picture) = &camera.picture else { return false };
     let corner = |row: usize, column: usize| picture[row * (PATCHES + 1) + column];
     let corners = [corner(0, 0), corner(0, PATCHES), corner(PATCHES, PATCHES), corner(PATCHES, 0)];
-    let bounds = Rect::from_points(&corners);
-    if bounds.area() > LARGE * canvas.area() {
+    if Rect::from_points(&corners).area() > LARGE * canvas.area() {
         return false;
     }
     let mut triangles = vec![[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]];

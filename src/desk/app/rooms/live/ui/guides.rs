@@ -73,10 +73,8 @@ pub(crate) fn guides_ui(
 
 /// Darkens everything outside the frame.
 fn frame(painter: &Painter, canvas: Rect, state: &State) {
-    let Some([width, height]) = state.framed_size().filter(|_| state.live.guides.frame != FrameGuide::Off)
-    else {
-        return;
-    };
+    let is_on = state.live.guides.frame != FrameGuide::Off;
+    let Some([width, height]) = state.framed_size().filter(|_| is_on) else { return };
     let frame = framed_area(canvas, state);
     let shade = Color32::from_black_alpha(140);
     for outside in [
@@ -148,17 +146,15 @@ fn ruler(painter: &Painter, canvas: Rect, state: &State, vantage: &Camera) {
     let ruler = &state.live.ruler;
     let tokens = Tokens::of(state.dark);
     let places: Vec<Pos2> = ruler.points.iter().filter_map(|point| projected(vantage, *point)).collect();
-    if let [a, b] = places.as_slice() {
+    if let (Some(distance), [a, b]) = (ruler.distance(), places.as_slice()) {
         for (width, color) in [(4.0, Color32::from_black_alpha(170)), (2.0, tokens.mark)] {
             painter.line_segment([*a, *b], Stroke::new(width, color));
         }
+        let text = state.live.unit.length(distance);
+        plate(painter, a.lerp(*b, 0.5) + vec2(0.0, -10.0), Align2::CENTER_BOTTOM, &text, tokens);
     }
     for place in &places {
         painter.circle(*place, 4.0, tokens.mark, Stroke::new(1.5, Color32::from_black_alpha(200)));
-    }
-    if let (Some(distance), [a, b]) = (ruler.distance(), places.as_slice()) {
-        let text = state.live.unit.length(distance);
-        plate(painter, a.lerp(*b, 0.5) + vec2(0.0, -10.0), Align2::CENTER_BOTTOM, &text, tokens);
     }
     if ruler.active {
         let text = match ruler.points.len() {

@@ -286,10 +286,7 @@ fn motion(
         if scroll != 0.0 {
             let factor = (-f64::from(scroll) * 0.003).exp();
             let under = response.hover_pos().and_then(|pointer| point_under(state, canvas, pointer));
-            commands.push(match under {
-                Some(point_in_world) => Command::View(ViewCommand::DollyTo { factor, point_in_world }),
-                None => Command::View(ViewCommand::Dolly(factor)),
-            });
+            commands.push(Command::View(ViewCommand::Dolly(factor, under)));
         }
     }
 }

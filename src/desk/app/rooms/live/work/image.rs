@@ -201,8 +201,8 @@ fn agreement_at(
     let inspection = key.inspection.as_ref()?;
     let camera = key.samples.images[picture.image[(x, y)] as usize].camera as usize;
     let agreement = agreements.get(camera)?.as_ref()?;
-    let there = recorded_at(key, picture, x, y).filter(|(place, depth)| {
-        let recorded = inspection.cameras[camera].frame.inverse_depth.get(place[0], place[1]);
+    let there = recorded_at(key, picture, x, y).filter(|([x, y], depth)| {
+        let recorded = inspection.cameras[camera].frame.inverse_depth.get(*x, *y);
         recorded.is_some_and(|recorded| compare(*recorded, *depth, PAINTED_SAMPLE) == Sighting::Same)
     });
     let [x, y] = match there {

@@ -28,7 +28,6 @@ use overlook_engine::color::srgb8_from_linear;
 use overlook_engine::edits::{Region, Viewpoint};
 use overlook_engine::grid::Grid;
 use overlook_engine::plural::{counted, either};
-use overlook_engine::preprocess::inspect::CameraInspection;
 use overlook_engine::samples::TILE;
 
 /// Height of the legend and the read-out below a picture.
@@ -277,22 +276,19 @@ fn camera_facts(state: &State) -> String {
     format!("{count} of {all} {are} kept ({share}). Point at one to see why.")
 }
 
+/// The verdict on a pixel, and what was recorded there.
 fn about_pixel(state: &State, x: usize, y: usize) -> (CameraText, String) {
     let (Some(scene), Some(inspection)) = (&state.doc.scene, state.inspection_here()) else {
         return (CameraText::new(pending_verdict(state, false)), format!("Pixel {x}, {y}"));
     };
     let camera = &inspection.cameras[state.source.camera];
     let Some(verdict) = camera.verdict.get(x, y) else { return Default::default() };
-    let recorded = recorded(camera, x, y);
-    (rooms::pixel::verdict(&scene.cameras, *verdict).words(format!(" {recorded}")), recorded)
-}
-
-fn recorded(camera: &CameraInspection, x: usize, y: usize) -> String {
     let depth = match camera.frame.inverse_depth[(x, y)] {
         w if w < 0.0 => "no depth".to_owned(),
         0.0 => "infinitely far".to_owned(),
         w => format!("depth {}", model::significant(1.0 / f64::from(w))),
     };
     let [r, g, b] = camera.frame.color[(x, y)].map(|c| srgb8_from_linear(c.to_f32()));
-    format!("Pixel {x}, {y} · {depth} · color {r} {g} {b}")
+    let recorded = format!("Pixel {x}, {y} · {depth} · color {r} {g} {b}");
+    (rooms::pixel::verdict(&scene.cameras, *verdict).words(format!(" {recorded}")), recorded)
 }
