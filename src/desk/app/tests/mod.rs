@@ -364,7 +364,7 @@ fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = open_damaged(folder.path());
     let pictures = folder.path().join("pictures");
-    change_path(&mut app, None, |path| path.set_pictures_per_leg(1));
+    change_path(&mut app, None, |path| path.pictures_per_leg = 1);
     for frame in [0, FRAMES - 1] {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         app.apply(Command::Path(PathCommand::AddKey));

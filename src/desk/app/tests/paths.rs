@@ -29,7 +29,7 @@ fn asks_to_replace(app: &OverlookApp) -> bool {
 
 /// A path of two pictures.
 fn add_path(app: &mut OverlookApp) {
-    change_path(app, None, |path| path.set_pictures_per_leg(1));
+    change_path(app, None, |path| path.pictures_per_leg = 1);
     for _ in 0..2 {
         app.apply(Command::Path(PathCommand::AddKey));
     }

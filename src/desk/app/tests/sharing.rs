@@ -103,7 +103,7 @@ fn what_a_budget_leaves_is_seen_before_it_is_made_and_less_is_farther_from_all()
 fn pictures_along_the_path_show_what_the_live_view_shows() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 2);
-    change_path(&mut app, None, |path| path.set_pictures_per_leg(1));
+    change_path(&mut app, None, |path| path.pictures_per_leg = 1);
     for _ in 0..2 {
         app.apply(Command::Path(PathCommand::AddKey));
     }

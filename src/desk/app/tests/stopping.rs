@@ -37,7 +37,7 @@ fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() 
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 4);
     app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
-    change_path(&mut app, None, |path| path.set_pictures_per_leg(2000));
+    change_path(&mut app, None, |path| path.pictures_per_leg = 2000);
     for _ in 0..2 {
         app.apply(Command::Path(PathCommand::AddKey));
     }

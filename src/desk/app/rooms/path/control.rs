@@ -12,7 +12,6 @@ use overlook_engine::capture::transforms::{Easing, PathFile, PathView};
 use overlook_engine::plural::counted;
 
 impl OverlookApp {
-    /// Carries out what concerns the camera path.
     pub(crate) fn apply_to_path(&mut self, command: PathCommand) {
         let path = &mut self.state.doc.path;
         let before = Undoable::Path(path.shape());
@@ -76,13 +75,11 @@ impl OverlookApp {
     /// Takes the keys among some views after those that are there; gives how many.
     pub(crate) fn take_path_views(&mut self, scene: &OpenScene, views: &[PathView], easing: Easing) -> usize {
         let path = &mut self.state.doc.path;
-        let (is_new, before) = (path.keys.is_empty(), Undoable::Path(path.shape()));
-        let keys: Vec<SavedPathKey> =
-            views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)).collect();
-        let count = keys.len();
-        path.keys.extend(keys);
+        let (before, keys) = (Undoable::Path(path.shape()), path.keys.len());
+        path.keys.extend(views.iter().filter(|view| view.is_key).map(|view| key_of(scene, view)));
+        let count = path.keys.len() - keys;
         (path.selected, path.playing) = (None, None);
-        if is_new {
+        if keys == 0 {
             path.take_pace_of(views);
             path.easing = easing;
             path.saved = path.keys.clone();

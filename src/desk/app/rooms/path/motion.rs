@@ -42,16 +42,6 @@ impl CameraPath {
         self.keys.get(leg).and_then(|key| key.pictures).unwrap_or(self.pictures_per_leg)
     }
 
-    /// Whether the camera goes on from a key.
-    pub(crate) fn has_leg(&self, leg: usize) -> bool {
-        leg < self.legs()
-    }
-
-    /// Seconds of the whole path at so many pictures a second.
-    pub(crate) fn seconds(&self, rate: f64) -> f64 {
-        self.pictures() as f64 / rate
-    }
-
     /// The frame at which all keys lie, if there is one and there are two keys or more: time stands still along the path.
     pub(crate) fn only_frame(&self) -> Option<usize> {
         let first = self.keys.first().filter(|_| self.keys.len() > 1)?.frame;
@@ -88,14 +78,13 @@ impl CameraPath {
     fn frame_at(&self, starts: &[usize], time: f64) -> usize {
         let ([from, to], share) = self.leg_at(starts, time);
         let back = starts.get(self.keys.len() - 1).is_some_and(|last| time > *last as f64);
-        let from_frame = from.frame as f64;
         let to_frame = if back {
             let [first, last] = [&self.keys[0], &self.keys[self.keys.len() - 1]].map(|key| key.frame as f64);
             (last + (last - first) / (self.keys.len() - 1) as f64).max(0.0)
         } else {
             to.frame as f64
         };
-        between(from_frame, to_frame, share).round() as usize
+        between(from.frame as f64, to_frame, share).round() as usize
     }
 
     /// The keys at their times in pictures. A closed path has those beyond its ends, too, so that it goes on there as elsewhere.
@@ -106,7 +95,7 @@ impl CameraPath {
         };
         let own = self.keys.iter().zip(starts).map(|(key, start)| at(*start as f64, key));
         let mut timed: Vec<_> = own.collect();
-        if self.has_leg(self.keys.len() - 1) {
+        if self.legs() == self.keys.len() {
             let (last, end) = (self.keys.len() - 1, starts[self.keys.len()] as f64);
             timed.insert(0, at(-(self.pictures_of_leg(last) as f64), &self.keys[last]));
             timed.push(at(end, &self.keys[0]));
@@ -203,6 +192,9 @@ mod tests {
         }
         assert_eq!(path.at(4.0).unwrap().frame, 5);
         assert_eq!(path.at(1e9), path.at(16.0), "beyond the end it stays");
+        let one = CameraPath::for_tests(&[DVec3::X]);
+        assert!(one.at(3.0).is_some() && one.pictures() == 0, "a path needs two keys");
+        assert_eq!(CameraPath::for_tests(&[]).at(0.0), None);
     }
 
     #[test]
@@ -224,22 +216,16 @@ mod tests {
     }
 
     #[test]
-    fn each_frame_that_passes_along_the_path_has_a_place_on_it() {
+    fn each_frame_that_passes_along_the_path_has_a_place_on_it_unless_all_keys_lie_at_one() {
         let mut path = CameraPath::for_tests(&[DVec3::ZERO, DVec3::X, DVec3::new(2.0, 1.0, 0.0)]);
         let places = path.vantage_of_each_frame([64, 48], 100);
         assert!(places.iter().map(|vantage| vantage.frame).eq(0..=20));
         assert!((places[20].camera.position_in_world() - DVec3::new(2.0, 1.0, 0.0)).length() < 1e-9);
+        assert_eq!(path.only_frame(), None);
         path.keys.iter_mut().for_each(|key| key.frame = 3);
         assert!(path.vantage_of_each_frame([64, 48], 100).is_empty(), "it stays at a moment");
-    }
-
-    #[test]
-    fn time_stands_still_where_all_keys_lie_at_one_frame() {
-        let mut path = CameraPath::for_tests(&[DVec3::ZERO, DVec3::X]);
-        assert_eq!(path.only_frame(), None);
-        path.keys[1].frame = 0;
-        assert_eq!(path.only_frame(), Some(0));
-        path.keys.pop();
+        assert_eq!(path.only_frame(), Some(3));
+        path.keys.truncate(1);
         assert_eq!(path.only_frame(), None, "one key is no path");
     }
 
@@ -286,12 +272,5 @@ mod tests {
             let seen = orbit.world_from_camera.inverse().transform_point3(target);
             assert!(seen.truncate().length() < 1e-9 && (seen.z - orbit.pivot_distance).abs() < 1e-9);
         }
-    }
-
-    #[test]
-    fn a_path_needs_two_keys() {
-        assert_eq!(CameraPath::for_tests(&[]).at(0.0), None);
-        assert_eq!(CameraPath::for_tests(&[DVec3::X]).pictures(), 0);
-        assert!(CameraPath::for_tests(&[DVec3::X]).at(3.0).is_some());
     }
 }

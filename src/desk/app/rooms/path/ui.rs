@@ -10,7 +10,7 @@ use egui_material_icons::icons::{
 use crate::app::model::command::{FileCommand, PathCommand};
 use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{Command, Commands, SIDES, State};
-use crate::app::rooms::path::{CameraPath, KeyNeighbor, MOST_ON_A_LEG, SavedPathKey, Turntable};
+use crate::app::rooms::path::{CameraPath, MOST_ON_A_LEG, SavedPathKey, Turntable};
 use crate::app::widgets::{choice_ui, empty_ui, icon_button, note, view_picture_ui, weak};
 use crate::ways_out::Way;
 use overlook_engine::capture::transforms::Easing;
@@ -51,7 +51,7 @@ const FINER: &str = "More than twice as fine as the capture, which shows no more
 const SIZE: &str = "Columns and rows of exported pictures, at first those of the largest camera. What the lens sees fits inside.";
 
 pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let path = &state.doc.path;
+    let mut path = state.doc.path.clone();
     if path.keys.is_empty() {
         let text = "Fly to where the path should begin and add a key; fly on and add the next. The path runs smoothly \
                     through all of them, in space and in time.";
@@ -59,34 +59,33 @@ pub(crate) fn path_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             if ui.button("Add key here (K)").clicked() {
                 commands.push(Command::Path(PathCommand::AddKey));
             }
-            turntable_ui(ui, state, commands);
-            path_file_ui(ui, state, false, commands);
+            turntable_ui(ui, state, &mut path, commands);
+            path_file_ui(ui, &mut path, commands);
         });
-        return;
+    } else {
+        // Low panels show the keys below the controls.
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            controls_ui(ui, state, &mut path, commands);
+            way_ui(ui, state, &mut path, commands);
+            still_ui(ui, state);
+            keys_ui(ui, state, &mut path, commands);
+        });
     }
-    // Low panels show the keys below the controls.
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        controls_ui(ui, state, commands);
-        way_ui(ui, state, commands);
-        still_ui(ui, state);
-        keys_ui(ui, state, commands);
-    });
+    if path != state.doc.path {
+        commands.push(Command::Path(PathCommand::Change(Box::new(path), None)));
+    }
 }
 
-fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let rows: &[&[PathControls]] = match ui.available_width() {
-        width if width > ONE_ROW => {
-            &[&[PathControls::Keys, PathControls::Pace, PathControls::Size, PathControls::File]]
-        }
-        width if width > TWO_ROWS => {
-            &[&[PathControls::Keys, PathControls::Pace], &[PathControls::Size, PathControls::File]]
-        }
-        _ => &[&[PathControls::Keys], &[PathControls::Pace], &[PathControls::Size], &[PathControls::File]],
+fn controls_ui(ui: &mut Ui, state: &State, path: &mut CameraPath, commands: &mut Commands) {
+    let in_a_row = match ui.available_width() {
+        width if width > ONE_ROW => 4,
+        width if width > TWO_ROWS => 2,
+        _ => 1,
     };
-    for row in rows {
+    for row in PathControls::ALL.chunks(in_a_row) {
         let parts_ui = |ui: &mut Ui| {
-            for part in *row {
-                part_ui(ui, state, *part, commands);
+            for part in row {
+                part_ui(ui, state, *part, path, commands);
             }
         };
         // Buttons of menus do not wrap: they would lie over what is before them.
@@ -107,12 +106,15 @@ enum PathControls {
     File,
 }
 
+impl PathControls {
+    const ALL: [Self; 4] = [Self::Keys, Self::Pace, Self::Size, Self::File];
+}
+
 /// Widths from which on all controls fit into one row and into two.
 const ONE_ROW: f32 = 1040.0;
 const TWO_ROWS: f32 = 600.0;
 
-fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Commands) {
-    let path = &state.doc.path;
+fn part_ui(ui: &mut Ui, state: &State, part: PathControls, path: &mut CameraPath, commands: &mut Commands) {
     let ready = path.pictures() > 0;
     match part {
         PathControls::Keys => {
@@ -123,19 +125,14 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             let (icon, name) =
                 if is_playing { (ICON_PAUSE, "Stop path") } else { (ICON_PLAY_ARROW, "Play path") };
             if ui.add_enabled_ui(ready, |ui| icon_button(ui, icon, name, name)).inner.clicked() {
-                commands.push(Command::Path(PathCommand::change(path, None, |path| path.play(!is_playing))));
+                path.playing = (!is_playing).then_some(0.0);
             }
             weak(ui, counted(path.pictures(), "picture"));
         }
         PathControls::Pace => {
             ui.label("Frames per segment");
-            let mut pictures = path.pictures_per_leg;
-            let drag = DragValue::new(&mut pictures).range(1..=MOST_ON_A_LEG);
-            if ui.add(drag).accessible_name("Frames per segment").changed() {
-                commands.push(Command::Path(PathCommand::change(path, None, |path| {
-                    path.set_pictures_per_leg(pictures);
-                })));
-            }
+            let drag = DragValue::new(&mut path.pictures_per_leg).range(1..=MOST_ON_A_LEG);
+            ui.add(drag).accessible_name("Frames per segment");
             if ready {
                 ui.label("Length");
                 length_ui(ui, state, commands);
@@ -146,7 +143,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
             size_ui(ui, state, commands);
         }
         PathControls::File => {
-            path_file_ui(ui, state, ready, commands);
+            path_file_ui(ui, path, commands);
             if ui.button("Share…").on_hover_text(SHARE).accessible_name("Share the camera path").clicked() {
                 commands.push(Command::Share(ShareCommand::Open(Some(Way::Film))));
             }
@@ -157,7 +154,7 @@ fn part_ui(ui: &mut Ui, state: &State, part: PathControls, commands: &mut Comman
 /// How long the film of the path is.
 pub(crate) fn length_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let (path, rate) = (&state.doc.path, f64::from(state.timeline.frames_per_second));
-    let mut seconds = path.seconds(rate);
+    let mut seconds = path.pictures() as f64 / rate;
     let drag = DragValue::new(&mut seconds).range(0.0..=1e7).speed(0.05).max_decimals(2).suffix(" s");
     let field = ui.add(drag.update_while_editing(false)).on_hover_text(LENGTH);
     if field.accessible_name("Length of the film").changed() {
@@ -181,21 +178,21 @@ pub(crate) fn still_ui(ui: &mut Ui, state: &State) {
 }
 
 /// The path's file.
-fn path_file_ui(ui: &mut Ui, state: &State, ready: bool, commands: &mut Commands) {
+fn path_file_ui(ui: &mut Ui, path: &mut CameraPath, commands: &mut Commands) {
+    let ready = path.pictures() > 0;
     ui.menu_button("Path file…", |ui| {
-        for (name, needs_path, command) in [
-            ("Save camera path…", true, Command::File(FileCommand::AskPath(Purpose::SavePath))),
-            ("Open camera path…", false, Command::File(FileCommand::AskPath(Purpose::LoadPath))),
-            (
-                "Remove all keys",
-                true,
-                Command::Path(PathCommand::change(&state.doc.path, None, CameraPath::clear)),
-            ),
-        ] {
-            let button = ui.add_enabled(ready || !needs_path, Button::new(name));
-            if button.on_hover_text(PATH_FILE).clicked() {
-                commands.push(command);
-            }
+        let mut clicked = |name: &str, is_possible: bool| {
+            let button = ui.add_enabled(is_possible, Button::new(name));
+            button.on_hover_text(PATH_FILE).clicked()
+        };
+        if clicked("Save camera path…", ready) {
+            commands.push(Command::File(FileCommand::AskPath(Purpose::SavePath)));
+        }
+        if clicked("Open camera path…", true) {
+            commands.push(Command::File(FileCommand::AskPath(Purpose::LoadPath)));
+        }
+        if clicked("Remove all keys", ready) {
+            path.clear();
         }
     });
 }
@@ -211,14 +208,14 @@ const MOVE: &str = "Move this view in the list. Frames stay in their order.";
 /// Width from which on a key takes one line, with its position.
 const ROOMY: f32 = 640.0;
 
-fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+fn keys_ui(ui: &mut Ui, state: &State, path: &mut CameraPath, commands: &mut Commands) {
     let keys = 0..state.doc.path.keys.len();
     if ui.available_width() > ROOMY {
         Grid::new("keys of the path").striped(true).spacing(egui::vec2(18.0, 3.0)).show(ui, |ui| {
             for index in keys {
                 key_ui(ui, state, index, true, commands);
                 ui.horizontal(|ui| leg_ui(ui, state, index, commands));
-                ui.horizontal(|ui| buttons_ui(ui, state, index, commands));
+                ui.horizontal(|ui| buttons_ui(ui, state, index, path));
                 ui.end_row();
             }
         });
@@ -227,7 +224,7 @@ fn keys_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     for index in keys {
         ui.horizontal(|ui| key_ui(ui, state, index, false, commands));
         ui.horizontal(|ui| {
-            buttons_ui(ui, state, index, commands);
+            buttons_ui(ui, state, index, path);
             leg_ui(ui, state, index, commands);
         });
     }
@@ -254,32 +251,28 @@ fn key_ui(ui: &mut Ui, state: &State, index: usize, is_roomy: bool, commands: &m
 }
 
 /// What is done with a key.
-fn buttons_ui(ui: &mut Ui, state: &State, index: usize, commands: &mut Commands) {
-    let path = &state.doc.path;
-    let (number, last) = (index + 1, path.keys.len() - 1);
+fn buttons_ui(ui: &mut Ui, state: &State, index: usize, path: &mut CameraPath) {
+    let (number, keys) = (index + 1, path.keys.len());
     let here = format!("Set key {number} to the current view");
-    if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked() {
-        commands.extend(state.key_here().map(|here| {
-            Command::Path(PathCommand::change(path, None, |path| {
-                let key = &mut path.keys[index];
-                *key = SavedPathKey { pictures: key.pictures, ..here };
-            }))
-        }));
+    if icon_button(ui, ICON_UPDATE, &here, "Set this key to the current view").clicked()
+        && let Some(here) = state.key_here()
+    {
+        let key = &mut path.keys[index];
+        *key = SavedPathKey { pictures: key.pictures, ..here };
     }
-    for (icon, to, with, can) in [
-        (ICON_ARROW_UPWARD, "up", KeyNeighbor::Before, index > 0),
-        (ICON_ARROW_DOWNWARD, "down", KeyNeighbor::Behind, index < last),
+    for (icon, to, other) in [
+        (ICON_ARROW_UPWARD, "up", index.checked_sub(1)),
+        (ICON_ARROW_DOWNWARD, "down", Some(index + 1).filter(|other| *other < keys)),
     ] {
         let name = format!("Move key {number} {to}");
         let move_ui = |ui: &mut Ui| icon_button(ui, icon, &name, MOVE).clicked();
-        if ui.add_enabled_ui(can, move_ui).inner {
-            commands
-                .push(Command::Path(PathCommand::change(path, None, |path| path.exchange_key(index, with))));
+        if let (true, Some(other)) = (ui.add_enabled_ui(other.is_some(), move_ui).inner, other) {
+            path.exchange_keys(index, other);
         }
     }
     let remove = format!("Remove key {number}");
     if icon_button(ui, ICON_DELETE, &remove, "Remove this key").clicked() {
-        commands.push(Command::Path(PathCommand::change(path, None, |path| path.remove_key(index))));
+        path.remove_key(index);
     }
 }
 
@@ -288,23 +281,21 @@ const LEG: &str = "Seconds from this key to the next. A longer way is slow motio
 /// How long the way from a key to the next takes.
 fn leg_ui(ui: &mut Ui, state: &State, leg: usize, commands: &mut Commands) {
     let path = &state.doc.path;
-    if !path.has_leg(leg) {
+    if leg >= path.legs() {
         return;
     }
     let (rate, number) = (f64::from(state.timeline.frames_per_second), leg + 1);
     let mut seconds = path.pictures_of_leg(leg) as f64 / rate;
     let drag = DragValue::new(&mut seconds).range(0.0..=3600.0).speed(0.02).max_decimals(2).suffix(" s");
     let field = ui.add(drag.update_while_editing(false)).on_hover_text(LEG);
-    let key = Some(leg);
+    let set = |pictures| PathCommand::change(path, Some(leg), |path| path.set_leg(leg, pictures));
     if field.accessible_name(format!("Seconds behind key {number}")).changed() {
-        commands.push(Command::Path(PathCommand::change(path, key, |path| {
-            path.set_leg(leg, Some(seconds * rate));
-        })));
+        commands.push(Command::Path(set(Some(seconds * rate))));
     }
     if path.keys[leg].pictures.is_some() {
         let name = format!("As long behind key {number} as elsewhere");
         if icon_button(ui, ICON_RESTART_ALT, &name, "As long as the other segments").clicked() {
-            commands.push(Command::Path(PathCommand::change(path, key, |path| path.set_leg(leg, None))));
+            commands.push(Command::Path(set(None)));
         }
     }
 }
@@ -328,51 +319,38 @@ const LOOP: &str =
 const LOOK: &str = "The camera looks at the point of the pinned pixel all the way, wherever keys look.";
 const NO_PIN: &str = "Pin a pixel first: click on it.";
 
-fn way_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+fn way_ui(ui: &mut Ui, state: &State, path: &mut CameraPath, commands: &mut Commands) {
     if ui.available_width() > WAY_ON_ONE_ROW {
         ui.horizontal(|ui| {
-            loop_ui(ui, state, commands);
-            turntable_ui(ui, state, commands);
-            pace_ui(ui, state, commands);
-            look_ui(ui, state, commands);
+            ui.checkbox(&mut path.is_closed, "Loop").on_hover_text(LOOP);
+            turntable_ui(ui, state, path, commands);
+            pace_ui(ui, path);
+            look_ui(ui, state, path);
         });
         return;
     }
     ui.horizontal(|ui| {
-        loop_ui(ui, state, commands);
-        turntable_ui(ui, state, commands);
+        ui.checkbox(&mut path.is_closed, "Loop").on_hover_text(LOOP);
+        turntable_ui(ui, state, path, commands);
     });
-    ui.horizontal(|ui| pace_ui(ui, state, commands));
-    ui.horizontal_wrapped(|ui| look_ui(ui, state, commands));
+    ui.horizontal(|ui| pace_ui(ui, path));
+    ui.horizontal_wrapped(|ui| look_ui(ui, state, path));
 }
 
-fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let mut is_closed = state.doc.path.is_closed;
-    if ui.checkbox(&mut is_closed, "Loop").on_hover_text(LOOP).changed() {
-        commands.push(Command::Path(PathCommand::change(&state.doc.path, None, |path| {
-            path.is_closed = is_closed;
-        })));
-    }
-}
-
-fn pace_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+fn pace_ui(ui: &mut Ui, path: &mut CameraPath) {
     ui.label("Pace");
-    if let Some(easing) = choice_ui(ui, "Pace of the camera", state.doc.path.easing, &EASINGS, PACE) {
-        commands.push(Command::Path(PathCommand::change(&state.doc.path, None, |path| path.easing = easing)));
-    }
+    path.easing = choice_ui(ui, "Pace of the camera", path.easing, &EASINGS, PACE).unwrap_or(path.easing);
 }
 
 /// Whether the camera looks at one point all the way.
-fn look_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let (path, probe) = (&state.doc.path, &state.doc.probe);
+fn look_ui(ui: &mut Ui, state: &State, path: &mut CameraPath) {
+    let probe = &state.doc.probe;
     let pinned = probe.shown.as_ref().filter(|_| probe.pinned).and_then(|probed| probed.point_in_world);
     let mut looks = path.looks_at.is_some();
     let can = looks || pinned.is_some();
     let field = ui.add_enabled(can, egui::Checkbox::new(&mut looks, "Look at the pinned point"));
     if field.on_hover_text(LOOK).on_disabled_hover_text(NO_PIN).changed() {
-        commands.push(Command::Path(PathCommand::change(path, None, |path| {
-            path.looks_at = pinned.filter(|_| looks);
-        })));
+        path.looks_at = pinned.filter(|_| looks);
     }
     if let Some(at) = path.looks_at {
         weak(ui, format!("{:.2}, {:.2}, {:.2}", at.x, at.y, at.z));
@@ -383,12 +361,10 @@ const TURN: &str =
     "A closed path of keys once around the pivot of this view, in place of the keys that are there.";
 
 /// A menu that makes the path a turn around the pivot.
-fn turntable_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
+fn turntable_ui(ui: &mut Ui, state: &State, path: &mut CameraPath, commands: &mut Commands) {
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new("Turntable…").config(config).ui(ui, |ui| {
-        let before = state.doc.path.turntable;
-        let mut turn = before;
-        let Turntable { keys, seconds, passes_time } = &mut turn;
+        let Turntable { keys, seconds, passes_time } = &mut path.turntable;
         ui.horizontal(|ui| {
             ui.add(DragValue::new(keys).range(4..=72).suffix(" keys")).accessible_name("Keys of the turn");
             let drag = DragValue::new(seconds).range(0.5..=600.0).speed(0.05).max_decimals(2).suffix(" s");
@@ -397,11 +373,6 @@ fn turntable_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         if state.has_time() {
             ui.checkbox(passes_time, "Time passes")
                 .on_hover_text("The played frames pass meanwhile; else the frame that is shown stays.");
-        }
-        if turn != before {
-            commands.push(Command::Path(PathCommand::change(&state.doc.path, None, |path| {
-                path.turntable = turn;
-            })));
         }
         if ui.button("Turn around the pivot").clicked() {
             commands.push(Command::Path(PathCommand::TurnAround));
