@@ -174,7 +174,7 @@ fn time_keys(state: &State) -> Vec<Bound> {
     let last = frames.saturating_sub(1);
     let here = timeline.frame;
     let range = |range| Command::Time(TimeCommand::change(timeline, |timeline| timeline.range = range));
-    let from = |first, end| range(Some(timeline.range_from(first, end, frames)));
+    let from = |begins| range(Some(timeline.range_here(begins, frames)));
     let marks = Command::Time(TimeCommand::change(timeline, Timeline::toggle_marker));
     vec![
         (Modifiers::COMMAND, Key::Home, Command::Time(TimeCommand::Frame(0))),
@@ -187,8 +187,8 @@ fn time_keys(state: &State) -> Vec<Bound> {
         (Modifiers::NONE, Key::ArrowLeft, Command::Time(TimeCommand::Step(-1))),
         (Modifiers::NONE, Key::ArrowRight, Command::Time(TimeCommand::Step(1))),
         (Modifiers::SHIFT, Key::I, range(None)),
-        (Modifiers::NONE, Key::I, from(Some(here), None)),
-        (Modifiers::NONE, Key::O, from(None, Some(here))),
+        (Modifiers::NONE, Key::I, from(true)),
+        (Modifiers::NONE, Key::O, from(false)),
     ]
 }
 

@@ -4,7 +4,6 @@ use crate::app::control::OverlookApp;
 use crate::app::rooms::timeline::{ShownRate, TimeCommand, Timeline};
 
 impl OverlookApp {
-    /// Carries out what concerns time.
     pub(crate) fn apply_to_time(&mut self, command: TimeCommand) {
         let frames = self.state.frame_count();
         let timeline = &mut self.state.timeline;

@@ -119,14 +119,10 @@ impl Timeline {
         }
     }
 
-    /// The range with another first frame, or another last one.
-    pub(crate) fn range_from(&self, first: Option<usize>, last: Option<usize>, frames: usize) -> [usize; 2] {
-        let [now_first, now_last] = self.played(frames);
-        match (first, last) {
-            (Some(first), _) => [first, now_last.max(first)],
-            (None, Some(last)) => [now_first.min(last), last],
-            (None, None) => [now_first, now_last],
-        }
+    /// The range as it is where it begins at this frame, or where it ends there.
+    pub(crate) fn range_here(&self, begins: bool, frames: usize) -> [usize; 2] {
+        let [first, last] = self.played(frames);
+        if begins { [self.frame, last.max(self.frame)] } else { [first.min(self.frame), self.frame] }
     }
 }
 
@@ -194,10 +190,10 @@ mod tests {
 
     #[test]
     fn an_end_that_is_moved_past_the_other_takes_it_along() {
-        let timeline = Timeline { range: Some([3, 5]), ..Timeline::default() };
-        assert_eq!(timeline.range_from(Some(7), None, 10), [7, 7]);
-        assert_eq!(timeline.range_from(None, Some(1), 10), [1, 1]);
-        assert_eq!(timeline.played(5), [3, 4], "a range of a longer capture is cut");
+        let at = |frame| Timeline { frame, range: Some([3, 5]), ..Timeline::default() };
+        assert_eq!(at(7).range_here(true, 10), [7, 7]);
+        assert_eq!(at(1).range_here(false, 10), [1, 1]);
+        assert_eq!(at(0).played(5), [3, 4], "a range of a longer capture is cut");
     }
 
     #[test]

@@ -29,7 +29,7 @@ pub(crate) fn timeline_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 }
 
 fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let timeline = &state.timeline;
+    let mut timeline = state.timeline.clone();
     if icon_button(ui, ICON_SKIP_PREVIOUS, "Step back", "Step back (,)").clicked() {
         commands.push(Command::Time(TimeCommand::Step(-1)));
     }
@@ -41,26 +41,24 @@ fn controls_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         commands.push(Command::Time(TimeCommand::Step(1)));
     }
     ui.add_space(space::SMALL);
-    let number = state.doc.scene.as_ref().and_then(|scene| scene.frame_numbers.get(timeline.frame));
     let frame = format!("Frame {} of {}", timeline.frame + 1, state.frame_count().max(1));
     let label = ui.label(RichText::new(frame).strong());
-    if let Some(number) = number {
+    if let Some(number) = state.frame_number() {
         label.on_hover_text(format!("The capture calls it frame {number}."));
     }
     ui.add_space(space::LARGE);
-    let mut rate = timeline.frames_per_second;
-    let drag =
-        DragValue::new(&mut rate).range(1.0..=120.0).speed(0.25).max_decimals(0).suffix(rate_text(timeline));
-    let drag =
-        ui.add(drag).on_hover_text("Frames per second of playback").accessible_name("Frames per second");
-    if drag.changed() {
-        commands
-            .push(Command::Time(TimeCommand::change(timeline, |timeline| timeline.frames_per_second = rate)));
+    let suffix = rate_text(&timeline);
+    let rate = DragValue::new(&mut timeline.frames_per_second).range(1.0..=120.0).speed(0.25);
+    ui.add(rate.max_decimals(0).suffix(suffix))
+        .on_hover_text("Frames per second of playback")
+        .accessible_name("Frames per second");
+    loop_ui(ui, &mut timeline, state.frame_count());
+    if timeline != state.timeline {
+        commands.push(Command::Time(TimeCommand::Change(Box::new(timeline))));
     }
-    loop_ui(ui, state, commands);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         if let Some(counts) = foreground(state) {
-            let here = counts.get(timeline.frame).copied().unwrap_or(0);
+            let here = counts.get(state.timeline.frame).copied().unwrap_or(0);
             weak(ui, format!("{} time-varying samples", model::count(here)));
         }
     });
@@ -73,46 +71,31 @@ fn rate_text(timeline: &Timeline) -> String {
     falls_short.map_or_else(|| " fps".to_owned(), |shown| format!(" fps (showing {shown:.0})"))
 }
 
-/// The range that is played, and how its ends are met.
-fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let (timeline, frames) = (&state.timeline, state.frame_count());
+/// The range that is played, of so many frames, and how its ends are met.
+fn loop_ui(ui: &mut Ui, timeline: &mut Timeline, frames: usize) {
     ui.add_space(space::SMALL);
-    let here = timeline.frame;
-    for (icon, name, help, range) in [
-        (
-            ICON_FIRST_PAGE,
-            "Loop from here",
-            "Loop from here (I)",
-            timeline.range_from(Some(here), None, frames),
-        ),
-        (ICON_LAST_PAGE, "Loop to here", "Loop to here (O)", timeline.range_from(None, Some(here), frames)),
-    ] {
-        if icon_button(ui, icon, name, help).clicked() {
-            commands
-                .push(Command::Time(TimeCommand::change(timeline, |timeline| timeline.range = Some(range))));
+    for (icon, name, keys, begins) in
+        [(ICON_FIRST_PAGE, "Loop from here", "(I)", true), (ICON_LAST_PAGE, "Loop to here", "(O)", false)]
+    {
+        if icon_button(ui, icon, name, &format!("{name} {keys}")).clicked() {
+            timeline.range = Some(timeline.range_here(begins, frames));
         }
     }
     if let Some([first, last]) = timeline.range {
         let text = format!("{} – {}", first + 1, last + 1);
         let clear = ui.button(text).accessible_name("Loop over all frames");
         if clear.on_hover_text("Loop over all frames again (Shift+I)").clicked() {
-            commands.push(Command::Time(TimeCommand::change(timeline, |timeline| timeline.range = None)));
+            timeline.range = None;
         }
     }
-    let (icon, name) = if timeline.markers.contains(&here) {
+    let (icon, name) = if timeline.markers.contains(&timeline.frame) {
         (ICON_BOOKMARK_REMOVE, "Remove marker")
     } else {
         (ICON_BOOKMARK_ADD, "Add marker")
     };
-    if icon_button(
-        ui,
-        icon,
-        name,
-        &format!("{name} (Shift+M); Ctrl+Left and Ctrl+Right go from marker to marker"),
-    )
-    .clicked()
-    {
-        commands.push(Command::Time(TimeCommand::change(timeline, Timeline::toggle_marker)));
+    let help = format!("{name} (Shift+M); Ctrl+Left and Ctrl+Right go from marker to marker");
+    if icon_button(ui, icon, name, &help).clicked() {
+        timeline.toggle_marker();
     }
     let (icon, name) = if timeline.ping_pong {
         (ICON_SWAP_HORIZ, "Play around the ends")
@@ -120,7 +103,7 @@ fn loop_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         (ICON_REPEAT, "Play back and forth")
     };
     if icon_button(ui, icon, name, name).clicked() {
-        commands.push(Command::Time(TimeCommand::change(timeline, |timeline| timeline.ping_pong ^= true)));
+        timeline.ping_pong ^= true;
     }
 }
 
@@ -182,16 +165,14 @@ fn strip_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         let edge = Stroke::new(1.0, tokens.background);
         painter.add(Shape::convex_polygon(corners, tokens.text, edge));
     }
-    if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
-        let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
-        if frame != state.timeline.frame {
-            commands.push(Command::Time(TimeCommand::Frame(frame)));
-        }
+    let frame_at = |at: Pos2| ((at.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
+    let held = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on());
+    if let Some(frame) = held.map(frame_at).filter(|frame| *frame != state.timeline.frame) {
+        commands.push(Command::Time(TimeCommand::Frame(frame)));
     }
     // What is on top is taken hold of first.
     keys_ui(ui, &painter, (rect, step), state, commands);
-    if let Some(pointer) = response.hover_pos() {
-        let frame = ((pointer.x - rect.left()) / step).clamp(0.0, frames as f32 - 1.0) as usize;
+    if let Some(frame) = response.hover_pos().map(frame_at) {
         let count = foreground(state).and_then(|counts| counts.get(frame));
         let kept =
             count.map_or(String::new(), |count| format!(": {} time-varying samples", model::count(*count)));
@@ -221,85 +202,65 @@ pub(crate) fn time_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             ui.label(RichText::new("Out of date.").small().color(tokens.warning));
         }
     });
-    let levels = levels(&report.spans);
-    let most = report.spans.iter().map(|span| span.samples).max().unwrap_or(1).max(1) as f32;
+    spans_ui(ui, state, &report.spans, commands);
+}
+
+/// The map of spans: a row for each length, and a cell for each span.
+fn spans_ui(ui: &mut Ui, state: &State, spans: &[SpanReport], commands: &mut Commands) {
+    let (levels, frames) = (levels(spans), state.frame_count());
+    let most = spans.iter().map(|span| span.samples).max().unwrap_or(1).max(1) as f32;
     let area = ui.available_rect_before_wrap();
     let height = ((area.height() - space::SMALL) / levels.len() as f32).clamp(6.0, 30.0);
     let left = area.left() + NAMES;
     let step = (area.width() - NAMES) / frames as f32;
-    let (rect, response) = ui.allocate_exact_size(
-        vec2(area.width(), (height * levels.len() as f32).min(area.height())),
-        Sense::click_and_drag(),
-    );
+    let gap = if step > 3.0 { 1.0 } else { 0.0 };
+    let size = vec2(area.width(), (height * levels.len() as f32).min(area.height()));
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Span map"));
-    let map = SpanMap { painter: ui.painter_at(rect), left, step, most };
+    let painter = ui.painter_at(rect);
     let mut hovered = None;
     for (nth, (length, spans)) in levels.iter().enumerate() {
         let top = rect.top() + nth as f32 * height;
         let row = Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + height));
         // Where rows are lower than type, some have no name to read; pointing at them gives it.
         let has_name = nth % (NAME / height).ceil() as usize == 0;
-        map.name_ui(ui, row, response.id.with(length), *length, spans, has_name);
-        hovered = map.spans_ui(row, spans, response.hover_pos()).or(hovered);
+        let samples = spans.iter().map(|span| span.samples).sum();
+        row_name_ui(ui, &painter, row, *length, samples, has_name);
+        for SpanReport { span, samples } in spans {
+            let [from, to] = [span.start, span.end].map(|frame| left + frame as f32 * step);
+            let cell = Rect::from_min_max(pos2(from, row.top() + 1.0), pos2(to - gap, row.bottom() - 1.0));
+            // The square root makes small counts differ from none.
+            painter.rect_filled(cell, 2.0, sequential((*samples as f32 / most).sqrt()));
+            if response.hover_pos().is_some_and(|at| cell.contains(at)) {
+                hovered = Some((*span, *samples));
+            }
+        }
     }
     let now = left + (state.timeline.frame as f32 + 0.5) * step;
-    map.painter.vline(now, rect.y_range(), Stroke::new(2.0, tokens.text));
+    painter.vline(now, rect.y_range(), Stroke::new(2.0, Tokens::in_ui(ui).text));
     if let Some(at) = response.interact_pointer_pos().filter(|at| at.x >= left) {
         let frame = (((at.x - left) / step) as usize).min(frames - 1);
         if frame != state.timeline.frame {
             commands.push(Command::Time(TimeCommand::Frame(frame)));
         }
     }
-    if let Some(SpanReport { span, samples }) = hovered {
+    if let Some((span, samples)) = hovered {
         let words =
             format!("Frames {} to {}: {}", span.start + 1, span.end, model::count_of(samples, "sample"));
         response.on_hover_text_at_pointer(words);
     }
 }
 
-/// Where the span map draws frames, and how bright counts are.
-struct SpanMap {
-    painter: Painter,
-    /// Where the first frame begins, points.
-    left: f32,
-    /// Width of a frame, points.
-    step: f32,
-    /// The largest number of samples of a span.
-    most: f32,
-}
-
-impl SpanMap {
-    /// The length of a row's spans, and how many samples they hold.
-    fn name_ui(&self, ui: &Ui, row: Rect, id: Id, length: usize, spans: &[&SpanReport], is_shown: bool) {
-        let total: u64 = spans.iter().map(|span| span.samples).sum();
-        let name = counted(length, "frame");
-        let words = format!("Samples stored for {name}: {}", model::count(total));
-        ui.interact(row, id, Sense::hover())
-            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
-        if !is_shown {
-            return;
-        }
-        let text = format!("{name}  {}", model::count(total));
+/// The length of a row's spans, and how many samples they hold.
+fn row_name_ui(ui: &Ui, painter: &Painter, row: Rect, length: usize, samples: u64, is_shown: bool) {
+    let (name, total) = (counted(length, "frame"), model::count(samples));
+    let words = format!("Samples stored for {name}: {total}");
+    ui.interact(row, ui.scope_id().with(("row of spans", length)), Sense::hover())
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &words));
+    if is_shown {
         let font = egui::TextStyle::Small.resolve(ui.style());
         let color = Tokens::in_ui(ui).text_weak;
-        self.painter.text(row.left_center(), Align2::LEFT_CENTER, text, font, color);
-    }
-
-    /// The spans of a row; gives the one under the pointer.
-    fn spans_ui(&self, row: Rect, spans: &[&SpanReport], pointer: Option<Pos2>) -> Option<SpanReport> {
-        let mut hovered = None;
-        for span in spans {
-            let from = self.left + span.span.start as f32 * self.step;
-            let gap = if self.step > 3.0 { 1.0 } else { 0.0 };
-            let to = self.left + span.span.end as f32 * self.step - gap;
-            let cell = Rect::from_min_max(pos2(from, row.top() + 1.0), pos2(to, row.bottom() - 1.0));
-            // The square root makes small counts differ from none.
-            self.painter.rect_filled(cell, 2.0, sequential((span.samples as f32 / self.most).sqrt()));
-            if pointer.is_some_and(|at| cell.contains(at)) {
-                hovered = Some(**span);
-            }
-        }
-        hovered
+        painter.text(row.left_center(), Align2::LEFT_CENTER, format!("{name}  {total}"), font, color);
     }
 }
 
@@ -317,13 +278,7 @@ const HALF: f32 = 5.5;
 const REACH: f32 = 8.0;
 
 /// Draws the keys into the bar, over what it shows, and lets them be dragged. The columns of frames are `step` wide.
-pub(crate) fn keys_ui(
-    ui: &mut Ui,
-    painter: &Painter,
-    (bar, step): (Rect, f32),
-    state: &State,
-    commands: &mut Commands,
-) {
+fn keys_ui(ui: &mut Ui, painter: &Painter, (bar, step): (Rect, f32), state: &State, commands: &mut Commands) {
     let tokens = Tokens::in_ui(ui);
     let last = state.frame_count().saturating_sub(1);
     let keys = &state.doc.path.keys;
@@ -340,14 +295,15 @@ pub(crate) fn keys_ui(
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
         let is_held = response.dragged() || response.hovered();
         let color = if is_held { tokens.accent } else { tokens.warning };
-        painter.add(Shape::convex_polygon(diamond(middle), color, Stroke::new(1.0, tokens.background)));
+        let corners = [(0.0, -HALF), (HALF, 0.0), (0.0, HALF), (-HALF, 0.0)];
+        let corners = corners.map(|(x, y)| middle + vec2(x, y)).to_vec();
+        painter.add(Shape::convex_polygon(corners, color, Stroke::new(1.0, tokens.background)));
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             let frame = ((pointer.x - bar.left()) / step).clamp(0.0, last as f32) as usize;
             if frame != key.frame {
-                let key = Some(index);
-                commands.push(Command::Path(PathCommand::change(&state.doc.path, key, |path| {
-                    path.move_key(index, frame);
-                })));
+                let path = &state.doc.path;
+                let moved = PathCommand::change(path, Some(index), |path| path.move_key(index, frame));
+                commands.push(Command::Path(moved));
             }
         }
         if response.clicked() {
@@ -360,8 +316,4 @@ pub(crate) fn keys_ui(
         );
         response.on_hover_cursor(CursorIcon::ResizeHorizontal).on_hover_text(help);
     }
-}
-
-fn diamond(middle: Pos2) -> Vec<Pos2> {
-    [(0.0, -HALF), (HALF, 0.0), (0.0, HALF), (-HALF, 0.0)].map(|(x, y)| middle + vec2(x, y)).to_vec()
 }
