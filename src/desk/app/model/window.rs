@@ -1,8 +1,8 @@
 //! What the window around the pictures speaks of: views, workspaces, notices, and the pages of help.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::app::model::command::Command;
 use crate::app::views::views;
 
 macro_rules! dock_view {
@@ -133,20 +133,8 @@ pub(crate) enum NoticeKind {
     Done,
 }
 
-/// Where a message leads.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum NoticeLink {
-    /// A view that shows what it speaks of.
-    View(DockView),
-    /// The dialog that compares two readings of the capture.
-    Readings,
-    /// Where it is chosen which way is up.
-    Up,
-    /// What a capture is known by.
-    Sources,
-    /// The folder of a file that was written.
-    Folder(PathBuf),
-}
+/// A button of a message that leads to what it speaks of: its name, and what it does.
+pub(crate) type NoticeLink = (&'static str, Command);
 
 /// A message to the person.
 #[derive(Clone, Debug)]
@@ -160,7 +148,6 @@ pub(crate) struct Notice {
     pub since: Instant,
     /// The scene of the notice, which ends with it; `None` for a notice about no scene.
     pub scene: Option<u64>,
-    /// What shows what it speaks of.
     pub link: Option<NoticeLink>,
 }
 

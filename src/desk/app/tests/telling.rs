@@ -9,7 +9,7 @@ use egui_kittest::kittest::Queryable;
 use crate::app::control::{OverlookApp, secs_left};
 use crate::app::dock::Dock;
 use crate::app::model::command::{FileCommand, Opening, SettingsCommand, ViewCommand};
-use crate::app::model::window::{DockView, NoticeLink};
+use crate::app::model::window::{DockView, Notice};
 use crate::app::model::{Busy, Command, Message, OpenScene, State, WorkKind};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::files;
@@ -62,7 +62,8 @@ fn a_capture_whose_up_was_taken_from_the_cameras_asks_once_and_takes_again_what_
         assert!(!scene.up_is_estimated, "its manifest says it");
         app.opened(&Arc::new(OpenScene { up_is_estimated: true, ..scene }));
     };
-    let asks = |app: &OverlookApp| app.state.notices.iter().any(|notice| notice.link == Some(NoticeLink::Up));
+    let is_question = |notice: &Notice| notice.title == "Does it lie on its side?";
+    let asks = |app: &OverlookApp| app.state.notices.iter().any(is_question);
     open(&mut app);
     assert!(asks(&app));
     app.apply(Command::View(ViewCommand::FindUp));
@@ -168,6 +169,7 @@ fn a_folder_without_a_capture_is_told_in_one_line_with_what_opens() {
     let mut app = ready(2, 1);
     app.apply(Command::File(FileCommand::Open(Opening::Path(folder.path().to_path_buf()))));
     wait(&mut app, "a word about it", |app| app.state.notices.iter().any(|of| of.link.is_some()));
-    let notice = app.state.notices.iter().find(|notice| notice.link == Some(NoticeLink::Sources)).unwrap();
+    let leads = |of: &&Notice| of.link.as_ref().is_some_and(|(name, _)| *name == "What opens?");
+    let notice = app.state.notices.iter().find(leads).unwrap();
     assert!(notice.text.starts_with("No capture in ") && notice.text.lines().count() == 1, "{}", notice.text);
 }

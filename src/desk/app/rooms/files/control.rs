@@ -6,12 +6,12 @@ use std::sync::Arc;
 use crate::address::{self, ViewAddress};
 use crate::app::control::OverlookApp;
 use crate::app::model::camera::OrbitCamera;
-use crate::app::model::command::{FileCommand, Opening, WindowCommand};
+use crate::app::model::command::{FileCommand, Opening, ViewCommand, WindowCommand};
 use crate::app::model::look::Display;
 use crate::app::model::picture::{ColorBy, Overlay};
 use crate::app::model::purpose::{Destination, Purpose};
 use crate::app::model::setting_names::SettingPairs;
-use crate::app::model::window::{DockView, NoticeKind, NoticeLink, Workspace};
+use crate::app::model::window::{DockView, NoticeKind, Workspace};
 use crate::app::model::{self, Command, Document, OpenScene, SceneSource};
 use crate::app::rooms::compare::state::CompareVantage;
 use crate::app::rooms::files::paths::lasting;
@@ -164,7 +164,8 @@ impl OverlookApp {
                 counted(changed, "setting"),
                 either(changed, "differs", "differ")
             );
-            state.notify_with_link("Settings were kept", text, NoticeLink::View(DockView::Thresholds));
+            let link = ("Show in Settings", Command::Window(WindowCommand::OpenView(DockView::Thresholds)));
+            state.notify_with_link("Settings were kept", text, link);
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
         self.ask_for_up(scene);
@@ -177,7 +178,8 @@ impl OverlookApp {
         if scene.up_is_estimated && !is_known && scene.session.is_none() {
             self.state.chosen_ups.push((path.clone(), None));
             let text = "The files do not say which way is up; it was taken from the cameras.";
-            self.state.notify_with_link("Does it lie on its side?", text, NoticeLink::Up);
+            let link = ("Set which way is up", Command::View(ViewCommand::FindUp));
+            self.state.notify_with_link("Does it lie on its side?", text, link);
         }
     }
 

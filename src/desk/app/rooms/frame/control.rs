@@ -5,7 +5,6 @@ use crate::app::model::command::WindowCommand;
 use crate::app::model::window::{Area, DockView, HelpPage};
 
 impl OverlookApp {
-    /// Carries out what concerns the window.
     pub(crate) fn apply_to_window(&mut self, command: WindowCommand) {
         let look = &mut self.state.look;
         match command {
@@ -64,19 +63,20 @@ impl OverlookApp {
 
     fn show_area(&mut self, area: Area, show: bool) {
         self.dock.show_area(area, show);
-        self.hide_useless_views();
         let look = &mut self.state.look;
         look.hidden.retain(|hidden| *hidden != area);
         if !show {
             look.hidden.push(area);
         }
         look.maximized = None;
+        self.show_useful_views();
     }
 
     /// Hides views without use for what is open, in shown areas as well.
-    fn hide_useless_views(&mut self) {
-        for (view, ..) in DockView::ALL.iter().filter(|(view, ..)| !self.state.has_use_of(*view)) {
-            self.dock.show_view(*view, false);
+    fn show_useful_views(&mut self) {
+        for (view, ..) in DockView::ALL {
+            let is_shown = self.dock.area_of(view).is_none_or(|area| self.state.look.shows(area));
+            self.dock.show_view(view, is_shown && self.state.has_use_of(view));
         }
     }
 
@@ -84,13 +84,7 @@ impl OverlookApp {
     /// other views that there may be nothing for.
     pub(crate) fn show_views_of_scene(&mut self) {
         let (maximized, has_source) = (self.state.look.maximized, self.state.has_source());
-        if self.state.look.shows(Area::Source) != has_source {
-            self.show_area(Area::Source, has_source);
-        }
-        for (view, ..) in DockView::ALL {
-            let is_shown = self.dock.area_of(view).is_none_or(|area| self.state.look.shows(area));
-            self.dock.show_view(view, is_shown && self.state.has_use_of(view));
-        }
+        self.show_area(Area::Source, has_source);
         self.state.look.maximized = maximized
             .filter(|view| (has_source || *view != DockView::Source) && self.state.has_use_of(*view));
     }

@@ -6,73 +6,66 @@ pub(crate) mod ui;
 use std::path::Path;
 use std::time::Instant;
 
+use crate::app::model::Command;
+use crate::app::model::command::WindowCommand;
+use crate::app::model::purpose::ShareCommand;
 use crate::app::model::state::State;
-use crate::app::model::window::{Notice, NoticeKind, NoticeLink, and_others};
+use crate::app::model::window::{HelpPage, Notice, NoticeKind, NoticeLink, and_others};
 use overlook_engine::capture::NO_CAPTURE;
 use overlook_engine::error::Error;
 
 impl State {
     /// Adds a message.
     pub(crate) fn notify(&mut self, kind: NoticeKind, title: impl Into<String>, text: impl Into<String>) {
-        self.add_notice(kind, title.into(), text.into(), None, None);
+        self.add_notice(kind, title.into(), text.into(), false, None);
     }
 
     /// Adds a message that a file was written.
     pub(crate) fn notify_of_file(&mut self, title: impl Into<String>, text: impl Into<String>, path: &Path) {
-        let link = Some(NoticeLink::Folder(path.to_path_buf()));
-        self.add_notice(NoticeKind::Done, title.into(), text.into(), None, link);
+        let link = ("Show in folder", Command::Share(ShareCommand::ShowInFolder(path.to_path_buf())));
+        self.add_notice(NoticeKind::Done, title.into(), text.into(), false, Some(link));
     }
 
     /// Adds a warning about what is open.
     pub(crate) fn warn_of_scene(&mut self, title: impl Into<String>, text: impl Into<String>) {
-        let scene = self.doc.scene.as_ref().map(|scene| scene.id);
-        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, None);
+        self.add_notice(NoticeKind::Warning, title.into(), text.into(), true, None);
     }
 
     /// Adds a message about what is open that leads somewhere.
-    pub(crate) fn notify_with_link(
-        &mut self,
-        title: impl Into<String>,
-        text: impl Into<String>,
-        link: NoticeLink,
-    ) {
-        let scene = self.doc.scene.as_ref().map(|scene| scene.id);
-        self.add_notice(NoticeKind::Done, title.into(), text.into(), scene, Some(link));
+    pub(crate) fn notify_with_link(&mut self, title: &str, text: impl Into<String>, link: NoticeLink) {
+        self.add_notice(NoticeKind::Done, title.to_owned(), text.into(), true, Some(link));
     }
 
     /// Adds a warning about what is open that something else shows in full.
-    pub(crate) fn warn_with_link(
-        &mut self,
-        title: impl Into<String>,
-        text: impl Into<String>,
-        link: NoticeLink,
-    ) {
-        let scene = self.doc.scene.as_ref().map(|scene| scene.id);
-        self.add_notice(NoticeKind::Warning, title.into(), text.into(), scene, Some(link));
+    pub(crate) fn warn_with_link(&mut self, title: &str, text: impl Into<String>, link: NoticeLink) {
+        self.add_notice(NoticeKind::Warning, title.to_owned(), text.into(), true, Some(link));
     }
 
     /// Adds the message that something failed; of a folder that holds no capture in short, with what opens.
     pub(crate) fn notify_of_failure(&mut self, title: &str, error: &Error) {
         let (text, link) = match error {
             Error::Invalid { place, what } if what.starts_with(NO_CAPTURE) => {
-                (format!("No capture in {place}."), Some(NoticeLink::Sources))
+                let link = ("What opens?", Command::Window(WindowCommand::Help(Some(HelpPage::Sources))));
+                (format!("No capture in {place}."), Some(link))
             }
             error => (error.to_string(), None),
         };
-        self.add_notice(NoticeKind::Error, title.to_owned(), text, None, link);
+        self.add_notice(NoticeKind::Error, title.to_owned(), text, false, link);
     }
 
+    /// Adds a message, perhaps one that ends with what is open.
     fn add_notice(
         &mut self,
         kind: NoticeKind,
         title: String,
         text: String,
-        scene: Option<u64>,
+        ends_with_scene: bool,
         link: Option<NoticeLink>,
     ) {
         self.inspector.log(kind, format!("{title}: {text}"));
         self.notices.retain(|notice| notice.title != title || notice.text != text);
         let id = self.notices.iter().map(|notice| notice.id).max().unwrap_or(0) + 1;
+        let scene = self.doc.scene.as_ref().filter(|_| ends_with_scene).map(|scene| scene.id);
         self.notices.push(Notice { id, kind, title, text, since: Instant::now(), scene, link });
     }
 

@@ -9,11 +9,9 @@ use egui_material_icons::icons::{
     ICON_HELP, ICON_LIGHT_MODE, ICON_REPLAY, ICON_SAVE, ICON_SCIENCE, ICON_TERMINAL, ICON_WARNING,
 };
 
-use crate::app::model::command::{FileCommand, Opening, ReadingCommand, ViewCommand, WindowCommand};
+use crate::app::model::command::{FileCommand, Opening, ViewCommand, WindowCommand};
 use crate::app::model::purpose::{Purpose, ShareCommand};
-use crate::app::model::window::{
-    CommandPalette, DockView, HelpPage, Notice, NoticeKind, NoticeLink, Workspace,
-};
+use crate::app::model::window::{CommandPalette, DockView, HelpPage, Notice, NoticeKind, Workspace};
 use crate::app::model::{self, Busy, Command, Commands, SceneSource, State, WorkKind};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{self, choice_ui, icon_button, note, segments_ui, weak, width_of_segments};
@@ -369,32 +367,11 @@ fn notice_ui(ui: &mut Ui, notice: &Notice, commands: &mut Commands) {
                     ui.add(
                         Label::new(RichText::new(&notice.text).color(tokens.text)).wrap().selectable(true),
                     );
-                    if let Some(link) = &notice.link {
-                        let (name, command) = match link {
-                            NoticeLink::View(view) => (
-                                format!("Show in {}", view.name_and_help().0),
-                                Command::Window(WindowCommand::OpenView(*view)),
-                            ),
-                            NoticeLink::Readings => (
-                                "Compare readings…".to_owned(),
-                                Command::Reading(ReadingCommand::Compare(true)),
-                            ),
-                            NoticeLink::Up => {
-                                ("Set which way is up".to_owned(), Command::View(ViewCommand::FindUp))
-                            }
-                            NoticeLink::Sources => (
-                                "What opens?".to_owned(),
-                                Command::Window(WindowCommand::Help(Some(HelpPage::Sources))),
-                            ),
-                            NoticeLink::Folder(path) => (
-                                "Show in folder".to_owned(),
-                                Command::Share(ShareCommand::ShowInFolder(path.clone())),
-                            ),
-                        };
-                        if ui.button(name).clicked() {
-                            commands.push(command);
-                            commands.push(Command::Window(WindowCommand::Dismiss(notice.id)));
-                        }
+                    if let Some((name, command)) = &notice.link
+                        && ui.button(*name).clicked()
+                    {
+                        commands.push(command.clone());
+                        commands.push(Command::Window(WindowCommand::Dismiss(notice.id)));
                     }
                 });
                 if icon_button(ui, ICON_CLOSE, "Dismiss", "Dismiss (Esc)").clicked() {

@@ -6,10 +6,9 @@ use std::sync::Arc;
 use egui::TextureOptions;
 
 use crate::app::control::OverlookApp;
-use crate::app::model;
-use crate::app::model::SceneSource;
 use crate::app::model::command::ReadingCommand;
-use crate::app::model::window::{NoticeKind, NoticeLink};
+use crate::app::model::window::NoticeKind;
+use crate::app::model::{self, Command, SceneSource};
 use crate::app::rooms::readings::state::{ReadingImages, ShownReadings};
 use crate::app::work::OpenRequest;
 use overlook_engine::capture::conventions::Finding;
@@ -66,7 +65,8 @@ impl OverlookApp {
         let Some(warning) = warning else { return };
         let told = format!("{warning}. Nothing was changed");
         let title = "Check the capture: another reading fits better";
-        self.state.warn_with_link(title, model::sentence(&told), NoticeLink::Readings);
+        let link = ("Compare readings…", Command::Reading(ReadingCommand::Compare(true)));
+        self.state.warn_with_link(title, model::sentence(&told), link);
     }
 
     /// Takes in the pictures of both readings.

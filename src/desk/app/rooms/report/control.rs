@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use crate::app::control::OverlookApp;
+use crate::app::model::command::WindowCommand;
 use crate::app::model::purpose::{Table, TableForm};
-use crate::app::model::window::{DockView, NoticeKind, NoticeLink};
-use crate::app::model::{self, Accuracy, Whole, method_of};
+use crate::app::model::window::{DockView, NoticeKind};
+use crate::app::model::{self, Accuracy, Command, Whole, method_of};
 use crate::app::rooms::report::table_text;
 use overlook_engine::preprocess::diagnostics::Suspect;
 use overlook_engine::preprocess::{PreparedScan, Preprocessed};
@@ -39,7 +40,8 @@ impl OverlookApp {
                 continue;
             }
             let title = format!("Check the capture: {}", suspect.name().to_lowercase());
-            state.warn_with_link(title, model::sentence(&warning), NoticeLink::View(DockView::Report));
+            let link = ("Show in Report", Command::Window(WindowCommand::OpenView(DockView::Report)));
+            state.warn_with_link(&title, model::sentence(&warning), link);
         }
         let line = format!(
             "Pruned the capture: {} of {} kept. {}",
