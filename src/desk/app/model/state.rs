@@ -321,6 +321,23 @@ impl State {
         Some(orbit.camera(width, height))
     }
 
+    /// Work that is in no file and ends with the scene, in words; `None` without any.
+    pub(crate) fn unsaved_work(&self) -> Option<String> {
+        let counted = |count: usize, of: &str| (count > 0).then(|| plural::counted(count, of));
+        let Document { path, charts, edits, .. } = &self.doc;
+        let parts = [
+            counted(if path.is_saved() { 0 } else { path.keys.len() }, "key")
+                .map(|keys| format!("the camera path ({keys})")),
+            counted(charts.sweep.len(), "point").map(|points| format!("the sweep ({points})")),
+            counted(charts.stress.len(), "point").map(|points| format!("the stress test ({points})")),
+            charts.studying.then(|| "what is being measured".to_owned()),
+            counted(if edits.list == edits.saved { 0 } else { edits.list.edits.len() }, "edit")
+                .map(|edits| format!("the edits ({edits})")),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| parts.join(", "))
+    }
+
     /// Whether a dialog is open over the window.
     pub(crate) fn is_asking(&self) -> bool {
         let inspector = &self.inspector;
@@ -442,21 +459,6 @@ impl Document {
     pub(crate) fn of(scene: Arc<OpenScene>, settings: &Settings) -> Self {
         let saved = scene.capture().map(|_| settings.clone());
         Self { scene: Some(scene), saved, ..Self::default() }
-    }
-
-    /// Work that is in no file and ends with the scene, in words; `None` without any.
-    pub(crate) fn unsaved_work(&self) -> Option<String> {
-        let counted = |count: usize, of: &str| (count > 0).then(|| plural::counted(count, of));
-        let charts = &self.charts;
-        let parts = [
-            counted(if self.path.is_saved() { 0 } else { self.path.keys.len() }, "key")
-                .map(|keys| format!("the camera path ({keys})")),
-            counted(charts.sweep.len(), "point").map(|points| format!("the sweep ({points})")),
-            counted(charts.stress.len(), "point").map(|points| format!("the stress test ({points})")),
-            charts.studying.then(|| "what is being measured".to_owned()),
-        ];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
-        (!parts.is_empty()).then(|| parts.join(", "))
     }
 }
 

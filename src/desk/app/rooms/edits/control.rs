@@ -12,7 +12,6 @@ use overlook_engine::plural::counted;
 use overlook_engine::whole_file;
 
 impl OverlookApp {
-    /// Carries out what concerns edits.
     pub(crate) fn apply_to_edits(&mut self, command: EditCommand) {
         let frame_number = self.state.frame_number();
         let edits = &mut self.state.doc.edits;

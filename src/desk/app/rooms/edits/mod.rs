@@ -16,15 +16,6 @@ use overlook_engine::plural::counted;
 use overlook_engine::samples::SampleSet;
 
 impl State {
-    /// Work that is in no file and ends with the scene, in words; `None` without any.
-    pub(crate) fn unsaved_work(&self) -> Option<String> {
-        let edits = &self.doc.edits;
-        let unsaved = edits.list != edits.saved && !edits.list.edits.is_empty();
-        let edits = unsaved.then(|| format!("the edits ({})", counted(edits.list.edits.len(), "edit")));
-        let parts: Vec<String> = self.doc.unsaved_work().into_iter().chain(edits).collect();
-        (!parts.is_empty()).then(|| parts.join(", "))
-    }
-
     /// How many edits act, in words: `, with 1 edit`; empty where none does.
     pub(crate) fn with_edits(&self) -> String {
         let edits = self.doc.edits.list.edits.iter().filter(|edit| edit.is_on).count();

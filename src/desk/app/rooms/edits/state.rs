@@ -91,12 +91,8 @@ impl SceneEdits {
         let Some(selection) = self.selection.clone() else { return region };
         match (combine, selection) {
             (Combine::Replace, _) => region,
-            (Combine::Add, Region::Any(mut parts)) => {
-                join_stroke(&mut parts, region);
-                Region::Any(parts)
-            }
             (Combine::Add, selection) => {
-                let mut parts = vec![selection];
+                let mut parts = if let Region::Any(parts) = selection { parts } else { vec![selection] };
                 join_stroke(&mut parts, region);
                 if parts.len() == 1 { parts.swap_remove(0) } else { Region::Any(parts) }
             }
@@ -115,18 +111,19 @@ impl SceneEdits {
 
     /// The selection, grown or shrunk.
     pub(crate) fn grown(&self, grows: bool) -> Option<Region> {
-        let region = self.selection.clone()?;
+        let mut region = self.selection.clone()?;
         let by = self.tools.grow_by;
-        let further = |footprints: f64| (footprints + by).min(Region::MOST_FOOTPRINTS);
-        Some(match region {
-            Region::Grow { region, footprints } if grows => {
-                Region::Grow { region, footprints: further(footprints) }
-            }
-            Region::Shrink { region, footprints } if !grows => {
-                Region::Shrink { region, footprints: further(footprints) }
-            }
-            region if grows => Region::Grow { region: Box::new(region), footprints: by },
-            region => Region::Shrink { region: Box::new(region), footprints: by },
+        if let (true, Region::Grow { footprints, .. }) | (false, Region::Shrink { footprints, .. }) =
+            (grows, &mut region)
+        {
+            *footprints = (*footprints + by).min(Region::MOST_FOOTPRINTS);
+            return Some(region);
+        }
+        let region = Box::new(region);
+        Some(if grows {
+            Region::Grow { region, footprints: by }
+        } else {
+            Region::Shrink { region, footprints: by }
         })
     }
 
@@ -193,7 +190,7 @@ pub(crate) fn named_change([before, after]: [&EditList; 2]) -> String {
 }
 
 /// Adds a region to others: strokes of one brush in one picture become one region, as they are painted one after the other.
-pub(crate) fn join_stroke(parts: &mut Vec<Region>, region: Region) {
+fn join_stroke(parts: &mut Vec<Region>, region: Region) {
     let last = parts.last_mut();
     match (last, region) {
         (

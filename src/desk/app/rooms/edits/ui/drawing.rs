@@ -54,8 +54,6 @@ impl PicturePlace {
 pub(crate) struct Drawn {
     pub(crate) outline: Outline,
     pub(crate) strokes: Vec<edits::Stroke>,
-    /// Whether the button of the pointer was let go.
-    pub(crate) is_done: bool,
 }
 
 /// How what is drawn now joins the selection: as the keys say, or else as the panel says.
@@ -79,8 +77,7 @@ pub(crate) fn select_drawn(
     commands: &mut Commands,
     region_of: impl FnOnce(Drawn) -> Option<Region>,
 ) {
-    let Some(drawn) = drawing_ui(ui, response, painter, place, state) else { return };
-    let is_done = drawn.is_done;
+    let Some((drawn, is_done)) = drawing_ui(ui, response, painter, place, state) else { return };
     if let Some(region) = region_of(drawn) {
         let combine = combine_now(ui, state);
         commands.push(Command::Edit(EditCommand::Draw { region, combine, is_done }));
@@ -117,14 +114,15 @@ pub(crate) fn color_region(color: [f16; 3]) -> Region {
     Region::Color { linear: color.map(f64::from), tolerance: NEW_TOLERANCE }
 }
 
-/// Draws a shape while the pointer is dragged; gives what a brush has painted so far as it goes, and every shape once it is done.
+/// Draws a shape while the pointer is dragged; gives what a brush has painted so far as it goes, and every shape once it is done, and
+/// whether it is.
 pub(crate) fn drawing_ui(
     ui: &Ui,
     response: &Response,
     painter: &Painter,
     place: &PicturePlace,
     state: &State,
-) -> Option<Drawn> {
+) -> Option<(Drawn, bool)> {
     let tool = state.doc.edits.tools.tool?;
     let radius = state.doc.edits.tools.radius;
     if response.hovered() {
@@ -155,13 +153,13 @@ pub(crate) fn drawing_ui(
     }
     let is_done = response.drag_stopped() || is_dabbed;
     let drawn = (is_done || (tool.has_radius() && corners.len() != before))
-        .then(|| drawn(&corners, place, tool, radius, is_done))
+        .then(|| drawn(&corners, place, tool, radius))
         .flatten();
     if is_done {
         corners.clear();
     }
     ui.data_mut(|data| data.insert_temp(id, corners));
-    drawn
+    Some((drawn?, is_done))
 }
 
 /// Draws on to where the pointer is.
@@ -176,22 +174,16 @@ fn draw_to(corners: &mut Vec<Pos2>, at: Pos2, tool: EditTool, radius: f32) {
 }
 
 /// What was drawn; `None` for an outline without an area.
-fn drawn(
-    corners: &[Pos2],
-    place: &PicturePlace,
-    tool: EditTool,
-    radius: f32,
-    is_done: bool,
-) -> Option<Drawn> {
+fn drawn(corners: &[Pos2], place: &PicturePlace, tool: EditTool, radius: f32) -> Option<Drawn> {
     let pixels: Outline = corners.iter().map(|at| place.pixel(*at)).collect();
     if tool.has_radius() {
         let stroke = edits::Stroke { radius: f64::from(radius / place.scale), points: pixels };
         let is_drawn = !stroke.points.is_empty();
-        return is_drawn.then(|| Drawn { outline: Vec::new(), strokes: vec![stroke], is_done });
+        return is_drawn.then(|| Drawn { outline: Vec::new(), strokes: vec![stroke] });
     }
     let area = Rect::from_points(corners);
     let has_area = corners.len() >= 3 && area.width() >= CORNER && area.height() >= CORNER;
-    has_area.then(|| Drawn { outline: pixels, strokes: Vec::new(), is_done })
+    has_area.then(|| Drawn { outline: pixels, strokes: Vec::new() })
 }
 
 /// The brush, and where it went.
@@ -204,14 +196,10 @@ fn brush_shape(painter: &Painter, path: &[Pos2], at: Option<Pos2>, radius: f32, 
 }
 
 fn stroke_shape(painter: &Painter, path: &[Pos2], radius: f32, color: Color32) {
-    match path {
-        [] => {}
-        [at] => {
-            painter.circle_filled(*at, radius, color);
-        }
-        _ => {
-            painter.add(Shape::line(path.to_vec(), Stroke::new(2.0 * radius, color)));
-        }
+    if let [at] = path {
+        painter.circle_filled(*at, radius, color);
+    } else {
+        painter.add(Shape::line(path.to_vec(), Stroke::new(2.0 * radius, color)));
     }
 }
 
@@ -358,44 +346,31 @@ pub(crate) fn shape_ui(
         painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(120)));
         painter.line_segment(line, Stroke::new(1.4, tokens.mark));
     }
-    let mut is_taken = false;
     let Some(middle) = projected(&vantage, frame.center) else { return false };
-    let handle = |at: Pos2, name: &str| {
+    let mut is_taken = false;
+    let mut drag = |at: Pos2, name: String| {
         let area = Rect::from_center_size(at, Vec2::splat(HANDLE));
-        let response =
-            ui.interact(area.intersect(canvas), ui.scope_id().with(("edit handle", name)), Sense::drag());
-        let name = name.to_owned();
-        response.widget_info(move || egui::WidgetInfo::labeled(egui::Role::Button, true, name.clone()));
-        let fill = if response.hovered() || response.dragged() { tokens.mark } else { tokens.on_scrim };
-        painter.rect(
-            area.shrink(1.5),
-            2.0,
-            fill,
-            Stroke::new(1.0, Color32::BLACK),
-            egui::StrokeKind::Outside,
-        );
-        response
+        let id = ui.scope_id().with(("edit handle", &name));
+        let response = ui.interact(area.intersect(canvas), id, Sense::drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+        let is_held = response.hovered() || response.dragged();
+        is_taken |= is_held;
+        let fill = if is_held { tokens.mark } else { tokens.on_scrim };
+        let edge = Stroke::new(1.0, Color32::BLACK);
+        painter.rect(area.shrink(1.5), 2.0, fill, edge, egui::StrokeKind::Outside);
+        response.drag_delta()
     };
-    let mut moved = DVec3::ZERO;
-    let response = handle(middle, "Move shape");
-    is_taken |= response.hovered() || response.dragged();
-    if response.dragged() {
-        moved = across(&vantage, frame.center, response.drag_delta());
-    }
+    let moved = across(&vantage, frame.center, drag(middle, "Move shape".to_owned()));
     let mut grown: Option<(usize, f64, DVec3)> = None;
     for (axis, side) in frame.sides.into_iter().enumerate() {
         for sign in [1.0, -1.0] {
-            let Some(at) = projected(&vantage, frame.center + side * sign) else { continue };
-            if !canvas.contains(at) {
-                continue;
-            }
+            let at = projected(&vantage, frame.center + side * sign);
+            let Some(at) = at.filter(|at| canvas.contains(*at)) else { continue };
             let name = format!("Drag side {}{}", if sign > 0.0 { '+' } else { '−' }, ['X', 'Y', 'Z'][axis]);
-            let response = handle(at, &name);
-            is_taken |= response.hovered() || response.dragged();
-            let on_screen = at - middle;
-            if response.dragged() && on_screen.length() > 1.0 {
+            let (dragged, on_screen) = (drag(at, name), at - middle);
+            if dragged != Vec2::ZERO && on_screen.length() > 1.0 {
                 // Along the side as it is seen.
-                let share = response.drag_delta().dot(on_screen) / on_screen.length_sq();
+                let share = dragged.dot(on_screen) / on_screen.length_sq();
                 grown = Some((axis, f64::from(share), side * sign));
             }
         }
@@ -454,24 +429,14 @@ mod tests {
         for at in [pos2(50.0, 60.0), pos2(50.5, 60.0), pos2(90.0, 60.0)] {
             draw_to(&mut corners, at, EditTool::Brush, 8.0);
         }
-        let stroke = drawn(&corners, &place, EditTool::Brush, 8.0, true).unwrap().strokes.remove(0);
+        let stroke = drawn(&corners, &place, EditTool::Brush, 8.0).unwrap().strokes.remove(0);
         assert_eq!((stroke.radius, stroke.points), (2.0, vec![[10.0, 10.0], [20.0, 10.0]]));
         corners.clear();
         for at in [pos2(50.0, 60.0), pos2(90.0, 100.0)] {
             draw_to(&mut corners, at, EditTool::Rectangle, 8.0);
         }
-        let outline = drawn(&corners, &place, EditTool::Rectangle, 8.0, true).unwrap().outline;
+        let outline = drawn(&corners, &place, EditTool::Rectangle, 8.0).unwrap().outline;
         assert_eq!(outline, [[10.0, 10.0], [20.0, 10.0], [20.0, 20.0], [10.0, 20.0]]);
-        assert!(drawn(&corners[..2], &place, EditTool::Lasso, 8.0, true).is_none(), "a line has no area");
-    }
-
-    #[test]
-    fn a_side_of_a_box_is_dragged_while_the_opposite_one_stays() {
-        let mut shape =
-            Region::Box { center: [1.0, 0.0, 0.0], half_size: [1.0, 2.0, 3.0], rotation_degrees: [0.0; 3] };
-        reshape(&mut shape, DVec3::ZERO, Some((0, 1.0, DVec3::X)));
-        let Region::Box { center, half_size, .. } = &shape else { panic!("a box") };
-        assert_eq!((center, half_size), (&[1.5, 0.0, 0.0], &[1.5, 2.0, 3.0]));
-        assert_eq!(ShapeFrame::of(&shape).unwrap().lines().len(), 12);
+        assert!(drawn(&corners[..2], &place, EditTool::Lasso, 8.0).is_none(), "a line has no area");
     }
 }

@@ -186,7 +186,7 @@ fn draw_ui(
             let place = PicturePlace::filling(canvas);
             drawing::select_drawn(ui, response, painter, &place, state, commands, |drawn| {
                 let vantage = state.seen_camera([canvas.width() as u32, canvas.height() as u32])?;
-                let Drawn { outline, strokes, .. } = drawn;
+                let Drawn { outline, strokes } = drawn;
                 let frame = state.frame_number().filter(|_| state.doc.edits.tools.depth == DrawnDepth::Seen);
                 let viewpoint = Viewpoint::of(&vantage);
                 Some(Region::View { viewpoint, frame, outline, strokes, depth: None })

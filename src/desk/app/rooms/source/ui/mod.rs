@@ -182,12 +182,13 @@ fn draw_ui(
         }
         Some(EditTool::Mask) => {
             let drawn = drawing::drawing_ui(ui, response, painter, place, state);
-            let strokes = drawn.filter(|drawn| drawn.is_done).map_or_else(Vec::new, |drawn| drawn.strokes);
+            let strokes =
+                drawn.filter(|(_, is_done)| *is_done).map_or_else(Vec::new, |(drawn, _)| drawn.strokes);
             let mask = |stroke| Command::Edit(EditCommand::Mask { camera: camera.name.clone(), stroke });
             commands.extend(strokes.into_iter().map(mask));
         }
         Some(_) => drawing::select_drawn(ui, response, painter, place, state, commands, |drawn| {
-            let Drawn { outline, strokes, .. } = drawn;
+            let Drawn { outline, strokes } = drawn;
             Some(match state.doc.edits.tools.depth {
                 DrawnDepth::Seen => {
                     let frame = Some(state.frame_number()?);
