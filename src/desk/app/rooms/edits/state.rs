@@ -89,15 +89,15 @@ impl SceneEdits {
     /// What a region that is chosen makes of the selection.
     pub(crate) fn combined(&self, region: Region, combine: Combine) -> Region {
         let Some(selection) = self.selection.clone() else { return region };
-        match (combine, selection) {
-            (Combine::Replace, _) => region,
-            (Combine::Add, selection) => {
+        match combine {
+            Combine::Replace => region,
+            Combine::Add => {
                 let mut parts = if let Region::Any(parts) = selection { parts } else { vec![selection] };
                 join_stroke(&mut parts, region);
                 if parts.len() == 1 { parts.swap_remove(0) } else { Region::Any(parts) }
             }
-            (Combine::Subtract, selection) => Region::Without(vec![selection, region]),
-            (Combine::Intersect, selection) => Region::All(vec![selection, region]),
+            Combine::Subtract => Region::Without(vec![selection, region]),
+            Combine::Intersect => Region::All(vec![selection, region]),
         }
     }
 

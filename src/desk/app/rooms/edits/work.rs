@@ -150,7 +150,7 @@ type Spread = (f64, DVec3, f64);
 fn joined((count, mean, squares): Spread, (more, of_more, of_their_squares): Spread) -> Spread {
     let (all, apart) = (count + more, of_more - mean);
     if all == 0.0 {
-        return (0.0, DVec3::ZERO, 0.0);
+        return Spread::default();
     }
     let between = apart.length_squared() * count * more / all;
     (all, mean + apart * (more / all), squares + of_their_squares + between)
@@ -159,14 +159,13 @@ fn joined((count, mean, squares): Spread, (more, of_more, of_their_squares): Spr
 /// Where the samples lie that are `shown` in another color than their own.
 fn place_of_selection(shown: &SampleSet, samples: &SampleSet) -> Option<SelectionPlace> {
     let of_image = |(shown, own): (&Arc<SampleImage>, &Arc<SampleImage>)| {
-        let none = (0.0, DVec3::ZERO, 0.0);
         // Images without any are shared, and of others only tiles with some are placed: every selection waits for this.
         if Arc::ptr_eq(shown, own) {
-            return none;
+            return Spread::default();
         }
         let camera = &samples.cameras[own.camera as usize];
         let is_selected = |index: usize| shown.color.get(index) != own.color.get(index);
-        let mut known = none;
+        let mut known = Spread::default();
         for (nth, tile) in own.tiles.iter().enumerate() {
             let (first, count) = (tile.first as usize, tile.count());
             if !(first..first + count).any(is_selected) {
@@ -185,6 +184,6 @@ fn place_of_selection(shown: &SampleSet, samples: &SampleSet) -> Option<Selectio
         known
     };
     let of_images: Vec<Spread> = shown.images.par_iter().zip(&samples.images).map(of_image).collect();
-    let (count, mean, squares) = of_images.into_iter().fold((0.0, DVec3::ZERO, 0.0), joined);
+    let (count, mean, squares) = of_images.into_iter().fold(Spread::default(), joined);
     (count > 0.0).then(|| SelectionPlace { mean, spread: (squares / count).sqrt() })
 }

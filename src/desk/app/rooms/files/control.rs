@@ -165,7 +165,7 @@ impl OverlookApp {
                 either(changed, "differs", "differ")
             );
             let link = ("Show in Settings", Command::Window(WindowCommand::OpenView(DockView::Thresholds)));
-            state.notify_with_link("Settings were kept", text, link);
+            state.notify_with_link(NoticeKind::Done, "Settings were kept", text, link);
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
         self.ask_for_up(scene);
@@ -179,7 +179,8 @@ impl OverlookApp {
             self.state.chosen_ups.push((path.clone(), None));
             let text = "The files do not say which way is up; it was taken from the cameras.";
             let link = ("Set which way is up", Command::View(ViewCommand::FindUp));
-            self.state.notify_with_link("Does it lie on its side?", text, link);
+            let title = "Does it lie on its side?";
+            self.state.notify_with_link(NoticeKind::Done, title, text.to_owned(), link);
         }
     }
 

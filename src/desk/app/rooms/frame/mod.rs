@@ -32,13 +32,8 @@ impl State {
     }
 
     /// Adds a message about what is open that leads somewhere.
-    pub(crate) fn notify_with_link(&mut self, title: &str, text: impl Into<String>, link: NoticeLink) {
-        self.add_notice(NoticeKind::Done, title.to_owned(), text.into(), true, Some(link));
-    }
-
-    /// Adds a warning about what is open that something else shows in full.
-    pub(crate) fn warn_with_link(&mut self, title: &str, text: impl Into<String>, link: NoticeLink) {
-        self.add_notice(NoticeKind::Warning, title.to_owned(), text.into(), true, Some(link));
+    pub(crate) fn notify_with_link(&mut self, kind: NoticeKind, title: &str, text: String, link: NoticeLink) {
+        self.add_notice(kind, title.to_owned(), text, true, Some(link));
     }
 
     /// Adds the message that something failed; of a folder that holds no capture in short, with what opens.

@@ -177,7 +177,6 @@ pub(crate) fn still_ui(ui: &mut Ui, state: &State) {
     }
 }
 
-/// The path's file.
 fn path_file_ui(ui: &mut Ui, path: &mut CameraPath, commands: &mut Commands) {
     let ready = path.pictures() > 0;
     ui.menu_button("Path file…", |ui| {
@@ -360,7 +359,6 @@ fn look_ui(ui: &mut Ui, state: &State, path: &mut CameraPath) {
 const TURN: &str =
     "A closed path of keys once around the pivot of this view, in place of the keys that are there.";
 
-/// A menu that makes the path a turn around the pivot.
 fn turntable_ui(ui: &mut Ui, state: &State, path: &mut CameraPath, commands: &mut Commands) {
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new("Turntable…").config(config).ui(ui, |ui| {

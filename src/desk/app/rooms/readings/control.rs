@@ -66,7 +66,7 @@ impl OverlookApp {
         let told = format!("{warning}. Nothing was changed");
         let title = "Check the capture: another reading fits better";
         let link = ("Compare readings…", Command::Reading(ReadingCommand::Compare(true)));
-        self.state.warn_with_link(title, model::sentence(&told), link);
+        self.state.notify_with_link(NoticeKind::Warning, title, model::sentence(&told), link);
     }
 
     /// Takes in the pictures of both readings.

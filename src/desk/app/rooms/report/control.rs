@@ -41,7 +41,7 @@ impl OverlookApp {
             }
             let title = format!("Check the capture: {}", suspect.name().to_lowercase());
             let link = ("Show in Report", Command::Window(WindowCommand::OpenView(DockView::Report)));
-            state.warn_with_link(&title, model::sentence(&warning), link);
+            state.notify_with_link(NoticeKind::Warning, &title, model::sentence(&warning), link);
         }
         let line = format!(
             "Pruned the capture: {} of {} kept. {}",

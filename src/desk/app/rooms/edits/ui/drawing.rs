@@ -97,11 +97,8 @@ pub(crate) fn select_clicked(
     }
     let clicked = response.interact_pointer_pos().filter(|_| response.clicked());
     let Some(region) = clicked.and_then(region_at) else { return };
-    commands.push(Command::Edit(EditCommand::Draw {
-        region,
-        combine: combine_now(ui, state),
-        is_done: true,
-    }));
+    let combine = combine_now(ui, state);
+    commands.push(Command::Edit(EditCommand::Draw { region, combine, is_done: true }));
 }
 
 /// What a click with the tool of surfaces selects at a surface point, world space.

@@ -26,7 +26,6 @@ use overlook_engine::edits::{Action, Region};
 
 const ASKS_WHOLE: &str = "Edits act on all frames: they are shown once the whole capture is pruned.";
 
-/// The panel.
 pub(crate) fn edits_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     if state.doc.scene.is_none() {
         return;
@@ -462,7 +461,6 @@ fn mask_ui(ui: &mut Ui, state: &State, tools: &mut EditTools) {
     });
 }
 
-/// The first and the last frame of a range.
 fn range_ui(ui: &mut Ui, state: &State, what: &str, tools: &mut EditTools) {
     let numbers = state.doc.scene.as_ref().map_or(&[][..], |scene| &scene.frame_numbers);
     let Some((first, last)) = numbers.first().zip(numbers.last()) else { return };
