@@ -6,7 +6,7 @@ use egui_material_icons::icons::{ICON_ARROW_DROP_DOWN, ICON_DOWNLOAD};
 use crate::app::model::command::FileCommand;
 use crate::app::model::purpose::{Purpose, Table, TableForm};
 use crate::app::model::window::{Area, DockView};
-use crate::app::model::{Command, Commands, State};
+use crate::app::model::{Command, Commands, State, sentence};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::charts::ui::parts::chart_commands;
 use crate::app::rooms::report::table_text;
@@ -35,7 +35,6 @@ fn contents(view: DockView) -> (Option<Study>, &'static [Table]) {
 /// The button, where the view has something to export.
 pub(crate) fn export_ui(ui: &mut Ui, view: DockView, state: &State, commands: &mut Commands) {
     let (study, tables) = contents(view);
-    let is_there = |table: &&Table| table_text(**table, TableForm::Csv, state).is_some();
     if tables.is_empty() {
         return;
     }
@@ -47,7 +46,8 @@ pub(crate) fn export_ui(ui: &mut Ui, view: DockView, state: &State, commands: &m
     };
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
         ui.set_min_width(190.0);
-        let tables: Vec<&Table> = tables.iter().filter(is_there).collect();
+        let is_there = |table: &Table| table_text(*table, TableForm::Csv, state).is_some();
+        let tables: Vec<Table> = tables.iter().copied().filter(is_there).collect();
         if tables.is_empty() {
             note(ui, "Nothing to export yet.");
             return;
@@ -64,11 +64,10 @@ pub(crate) fn export_ui(ui: &mut Ui, view: DockView, state: &State, commands: &m
         }
         let several = tables.len() > 1;
         for table in tables {
-            let mut entries = |ui: &mut Ui| entries_ui(ui, *table, commands);
             if several {
-                ui.menu_button(crate::app::model::sentence(table.name()), entries);
+                ui.menu_button(sentence(table.name()), |ui| entries_ui(ui, table, commands));
             } else {
-                entries(ui);
+                entries_ui(ui, table, commands);
             }
         }
     });

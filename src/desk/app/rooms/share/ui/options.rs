@@ -16,49 +16,32 @@ use overlook_engine::splats::{SplatFormat, SplatSky};
 /// Width of the names of options, so that what is chosen stands in one line whatever the way.
 const LABELS: f32 = 70.0;
 
-/// Formats of splats: name and help.
-const FORMATS: [(SplatFormat, &str, &str); 4] = [
-    (SplatFormat::Ply, "PLY", "One frame, as most programs read it."),
-    (SplatFormat::Spz, "SPZ", "One frame, a sixth as large."),
-    (SplatFormat::Glb, "GLB", "All frames as glTF, shown by an animation."),
-    (SplatFormat::Usda, "USDA", "All frames as USD, shown by visibility."),
-];
-
-/// What becomes of the sky.
-const SKIES: [(SplatSky, &str, &str); 2] = [
-    (SplatSky::Dome, "Far dome", "Its colors become a dome of splats around the scene."),
-    (SplatSky::Out, "Left out", "No format has a place for what is infinitely far away."),
-];
-
-/// Whether pictures are EXR.
-const KINDS: [(bool, &str, &str); 2] = [
-    (false, "PNG", "As they are shown, with alpha where the background is transparent."),
-    (true, "EXR", "Linear color, coverage and depth."),
-];
-
-/// What pictures are of.
-const PICTURES: [(bool, &str, &str); 2] = [
-    (false, "This view", "The picture of the live view."),
-    (true, "Camera path", "A folder of numbered pictures along the camera path."),
-];
-
-/// What a film shows.
-const COMPARES: [(Option<FilmComparison>, &str, &str); 3] = [
-    (None, "Samples", "What the live view renders."),
-    (Some(FilmComparison::Wipe), "Wipe", "Both sides of the comparison; the line moves across once."),
-    (Some(FilmComparison::Flip), "Flip", "Both sides of the comparison, each for half a second."),
-];
-
 const PATH: &str = "Whoever opens it can follow the camera path.";
 const NO_PATH: &str = "The camera path is not in it, as its keys are at one moment.";
 
-/// The paper of figures.
-const PAPERS: [(bool, &str, &str); 2] =
-    [(false, "Light", "Dark type on white paper."), (true, "Dark", "Light type on dark paper, for slides.")];
-
-/// Which points.
 const POINTS: [(bool, &str, &str); 2] =
     [(false, "This frame", "One file."), (true, "Every frame", "A folder with a file for each frame.")];
+
+/// A row of the grid: its label, and what is chosen.
+fn row_ui(ui: &mut Ui, label: &str, contents: impl FnOnce(&mut Ui)) {
+    ui.label(label);
+    ui.horizontal(contents);
+    ui.end_row();
+}
+
+/// A row with a text; `name` names it for screen readers.
+fn text_ui(ui: &mut Ui, label: &str, name: &str, field: TextEdit) {
+    ui.label(label);
+    ui.add(field.desired_width(f32::INFINITY)).accessible_name(name);
+    ui.end_row();
+}
+
+/// A row with a box that bounds a size, and the bound; `name` names the latter for screen readers.
+fn bound_ui(ui: &mut Ui, is_bounded: &mut bool, help: &str, most: DragValue, name: &str) {
+    ui.checkbox(is_bounded, "At most").on_hover_text(help);
+    ui.horizontal(|ui| ui.add_enabled(*is_bounded, most).accessible_name(name));
+    ui.end_row();
+}
 
 /// A row of the grid with its label and its name for screen readers: one of some choices.
 fn choice_ui<T: Copy + PartialEq, const N: usize>(
@@ -113,48 +96,37 @@ pub(crate) fn options_ui(ui: &mut Ui, state: &State, options: &mut Options, comm
 
 fn page_ui(ui: &mut Ui, state: &State, options: &mut Options) {
     let name = state.doc.scene.as_ref().map_or("", |scene| scene.name.as_str());
-    ui.label("Title");
-    ui.add(TextEdit::singleline(&mut options.title).desired_width(f32::INFINITY).hint_text(name))
-        .accessible_name("Title of the page");
-    ui.end_row();
-    ui.label("Text");
-    ui.add(
-        TextEdit::multiline(&mut options.text)
-            .desired_width(f32::INFINITY)
-            .desired_rows(2)
-            .hint_text("About the scene"),
-    )
-    .accessible_name("Text of the page");
-    ui.end_row();
-    ui.checkbox(&mut options.page_is_bounded, "At most")
-        .on_hover_text("What shows least is made coarser until the page fits.");
-    ui.horizontal(|ui| {
-        let drag =
-            DragValue::new(&mut options.page_megabytes).range(0.2..=10_000.0).speed(0.1).max_decimals(1);
-        ui.add_enabled(options.page_is_bounded, drag.suffix(" MB"))
-            .accessible_name("Most megabytes of the page");
-    });
-    ui.end_row();
+    text_ui(ui, "Title", "Title of the page", TextEdit::singleline(&mut options.title).hint_text(name));
+    let text = TextEdit::multiline(&mut options.text).desired_rows(2).hint_text("About the scene");
+    text_ui(ui, "Text", "Text of the page", text);
+    let help = "What shows least is made coarser until the page fits.";
+    let most = DragValue::new(&mut options.page_megabytes).range(0.2..=10_000.0).speed(0.1).max_decimals(1);
+    let most = most.suffix(" MB");
+    bound_ui(ui, &mut options.page_is_bounded, help, most, "Most megabytes of the page");
 }
 
 fn splats_ui(ui: &mut Ui, options: &mut Options) {
-    choice_ui(ui, ["Format"; 2], &mut options.format, FORMATS);
-    choice_ui(ui, ["Sky"; 2], &mut options.sky, SKIES);
-    ui.checkbox(&mut options.splats_are_bounded, "At most")
-        .on_hover_text("Samples are merged where that shows least.");
-    ui.horizontal(|ui| {
-        let drag =
-            DragValue::new(&mut options.kilosplats).range(1..=1_000_000).speed(10.0).suffix(" k splats");
-        ui.add_enabled(options.splats_are_bounded, drag).accessible_name("Most splats");
-    });
-    ui.end_row();
+    let formats = [
+        (SplatFormat::Ply, "PLY", "One frame, as most programs read it."),
+        (SplatFormat::Spz, "SPZ", "One frame, a sixth as large."),
+        (SplatFormat::Glb, "GLB", "All frames as glTF, shown by an animation."),
+        (SplatFormat::Usda, "USDA", "All frames as USD, shown by visibility."),
+    ];
+    choice_ui(ui, ["Format"; 2], &mut options.format, formats);
+    let skies = [
+        (SplatSky::Dome, "Far dome", "Its colors become a dome of splats around the scene."),
+        (SplatSky::Out, "Left out", "No format has a place for what is infinitely far away."),
+    ];
+    choice_ui(ui, ["Sky"; 2], &mut options.sky, skies);
+    let help = "Samples are merged where that shows least.";
+    let most = DragValue::new(&mut options.kilosplats).range(1..=1_000_000).speed(10.0).suffix(" k splats");
+    bound_ui(ui, &mut options.splats_are_bounded, help, most, "Most splats");
 }
 
 fn film_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Commands) {
     compares_ui(ui, state, options);
-    picture_size_ui(ui, state, commands);
-    ui.label("Pace");
-    ui.horizontal(|ui| {
+    row_ui(ui, "Size", |ui| size_ui(ui, state, commands));
+    row_ui(ui, "Pace", |ui| {
         let mut rate = state.timeline.frames_per_second;
         let drag = DragValue::new(&mut rate).range(1.0..=120.0).max_decimals(2).suffix(" a second");
         if ui.add(drag).accessible_name("Pictures a second").changed() {
@@ -164,17 +136,19 @@ fn film_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Com
         let keys = counted(state.doc.path.keys.len(), "key");
         weak(ui, format!("{keys}, {}", counted(state.film_pictures(), "picture")));
     });
-    ui.end_row();
     if state.doc.path.pictures() > 0 {
-        ui.label("Length");
-        length_ui(ui, state, commands);
-        ui.end_row();
+        row_ui(ui, "Length", |ui| length_ui(ui, state, commands));
     }
 }
 
 /// What a film shows: the samples, or both sides of the comparison.
 fn compares_ui(ui: &mut Ui, state: &State, options: &mut Options) {
-    choice_ui(ui, ["Shows"; 2], &mut options.compares, COMPARES);
+    let shows = [
+        (None, "Samples", "What the live view renders."),
+        (Some(FilmComparison::Wipe), "Wipe", "Both sides of the comparison; the line moves across once."),
+        (Some(FilmComparison::Flip), "Flip", "Both sides of the comparison, each for half a second."),
+    ];
+    choice_ui(ui, ["Shows"; 2], &mut options.compares, shows);
     if options.compares.is_some() {
         ui.label("");
         let sides = state.inspector.compare.choice.sides;
@@ -195,24 +169,26 @@ fn look_ui(ui: &mut Ui, state: &State, options: &Options) {
     }
 }
 
-fn picture_size_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    ui.label("Size");
-    ui.horizontal(|ui| size_ui(ui, state, commands));
-    ui.end_row();
-}
-
 fn pictures_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Commands) {
-    choice_ui(ui, ["Of", "Pictures of"], &mut options.along_path, PICTURES);
+    let pictures_of = [
+        (false, "This view", "The picture of the live view."),
+        (true, "Camera path", "A folder of numbered pictures along the camera path."),
+    ];
+    choice_ui(ui, ["Of", "Pictures of"], &mut options.along_path, pictures_of);
     let is_path = options.along_path;
     if is_path {
         compares_ui(ui, state, options);
     }
     let is_compared = is_path && options.compares.is_some();
     if !is_compared {
-        choice_ui(ui, ["Format"; 2], &mut options.linear, KINDS);
+        let is_exr = [
+            (false, "PNG", "As they are shown, with alpha where the background is transparent."),
+            (true, "EXR", "Linear color, coverage and depth."),
+        ];
+        choice_ui(ui, ["Format"; 2], &mut options.linear, is_exr);
     }
     if is_path {
-        picture_size_ui(ui, state, commands);
+        row_ui(ui, "Size", |ui| size_ui(ui, state, commands));
     } else {
         view_size_ui(ui, state, options);
     }
@@ -227,8 +203,7 @@ fn view_size_ui(ui: &mut Ui, state: &State, options: &mut Options) {
     let shown = shown.unwrap_or(state.live.size);
     let before = options.picture_size.unwrap_or(shown);
     let mut size = before;
-    ui.label("Size");
-    ui.horizontal(|ui| {
+    row_ui(ui, "Size", |ui| {
         let [width, height] = &mut size;
         for (name, separator, side) in [("Columns", "×", width), ("Rows", "", height)] {
             let drag = DragValue::new(side).range(SIDES).speed(2.0).update_while_editing(false);
@@ -246,7 +221,6 @@ fn view_size_ui(ui: &mut Ui, state: &State, options: &mut Options) {
             size = shown;
         }
     });
-    ui.end_row();
     if size != before {
         options.picture_size = (size != shown).then_some(size);
     }
@@ -255,8 +229,7 @@ fn view_size_ui(ui: &mut Ui, state: &State, options: &mut Options) {
 fn figure_ui(ui: &mut Ui, options: &mut Options) {
     choice_ui(ui, ["Of", "Figure of"], &mut options.figure_of, FigureOf::ALL);
     let figure = &mut options.figure;
-    ui.label("Width");
-    ui.horizontal(|ui| {
+    row_ui(ui, "Width", |ui| {
         let (mut width, mut dots) = (figure.width_mm(), figure.dots_per_inch);
         let drag = DragValue::new(&mut width).range(5.0..=1500.0).speed(0.5).max_decimals(1).suffix(" mm");
         ui.add(drag.update_while_editing(false)).accessible_name("Width of the figure");
@@ -267,26 +240,23 @@ fn figure_ui(ui: &mut Ui, options: &mut Options) {
         }
         weak(ui, format!("{} px", figure.columns()));
     });
-    ui.end_row();
-    ui.label("Paper");
-    ui.horizontal(|ui| {
-        figure.is_dark = segments_ui(ui, "Paper", figure.is_dark, PAPERS).unwrap_or(figure.is_dark);
+    row_ui(ui, "Paper", |ui| {
+        let papers = [
+            (false, "Light", "Dark type on white paper."),
+            (true, "Dark", "Light type on dark paper, for slides."),
+        ];
+        figure.is_dark = segments_ui(ui, "Paper", figure.is_dark, papers).unwrap_or(figure.is_dark);
         let size = DragValue::new(&mut figure.type_points).range(4.0..=48.0).speed(0.1).max_decimals(1);
         ui.add(size.suffix(" pt")).on_hover_text("Size of the type").accessible_name("Size of the type");
     });
-    ui.end_row();
-    ui.label("With");
-    ui.horizontal(|ui| {
+    row_ui(ui, "With", |ui| {
         ui.checkbox(&mut figure.has_legend, "Legend")
             .on_hover_text("What the colors mean, below the picture.");
         ui.checkbox(&mut figure.has_scale_bar, "Scale bar")
             .on_hover_text("A length in the picture, at the distance of what its middle shows.");
     });
-    ui.end_row();
-    ui.label("Caption");
-    let caption = TextEdit::multiline(&mut figure.caption).desired_width(f32::INFINITY).desired_rows(2);
-    ui.add(caption).accessible_name("Caption of the figure");
-    ui.end_row();
+    let caption = TextEdit::multiline(&mut figure.caption).desired_rows(2);
+    text_ui(ui, "Caption", "Caption of the figure", caption);
 }
 
 /// Says that hidden cameras are saved as well, and can leave them out.

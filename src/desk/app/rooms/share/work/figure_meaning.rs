@@ -29,6 +29,16 @@ pub(crate) struct Meaning {
     pub(crate) color_bar: Option<ColorBar>,
 }
 
+impl Meaning {
+    fn of(legend: impl IntoIterator<Item = LegendEntry>) -> Self {
+        Self { legend: legend.into_iter().collect(), color_bar: None }
+    }
+
+    fn with_bar(self, color_bar: ColorBar) -> Self {
+        Self { color_bar: Some(color_bar), ..self }
+    }
+}
+
 /// What the colors of a source picture mean.
 pub(crate) fn of_source(
     overlay: Overlay,
@@ -45,41 +55,33 @@ pub(crate) fn of_source(
         let named = names.into_iter().zip(counts);
         let named =
             named.map(|((color, name), count)| entry(color, format!("{name} {}", percent(count, total))));
-        Meaning { legend: named.chain(no_depth(invalid, total)).collect(), color_bar: None }
+        Meaning::of(named.chain(no_depth(invalid, total)))
     };
     match legend {
-        Legend::Plain if overlay == Overlay::Normals => Meaning {
-            legend: vec![words("Red, green and blue: the normal's x, y and z in world space.")],
-            color_bar: None,
-        },
+        Legend::Plain if overlay == Overlay::Normals => {
+            Meaning::of([words("Red, green and blue: the normal's x, y and z in world space.")])
+        }
         Legend::Plain => Meaning::default(),
         Legend::Depth { near, far, without } => {
             let end = |name: &str, depth: f32| format!("{name}, {}", unit.length(f64::from(depth)));
             let invalid =
                 (*without > 0.0).then(|| entry(tokens.invalid, format!("no depth {:.1} %", 100.0 * without)));
-            Meaning {
-                legend: invalid.into_iter().collect(),
-                color_bar: Some(bar([&end("far", *far), "", &end("near", *near)], sequential)),
-            }
+            Meaning::of(invalid).with_bar(bar([&end("far", *far), "", &end("near", *near)], sequential))
         }
-        Legend::Ratio { unknown } => Meaning {
-            legend: unknown_entry(f64::from(*unknown)),
-            color_bar: Some(ratio("this camera denser", "other denser")),
-        },
-        Legend::Tiles(shares) => Meaning {
-            legend: vec![entry(dimmed(Color32::GRAY, UNKNOWN), empty_tiles(shares))],
-            color_bar: Some(bar(["few kept", "", "all kept"], sequential)),
-        },
+        Legend::Ratio { unknown } => Meaning::of(unknown_entry(f64::from(*unknown)))
+            .with_bar(ratio("this camera denser", "other denser")),
+        Legend::Tiles(shares) => Meaning::of([entry(dimmed(Color32::GRAY, UNKNOWN), empty_tiles(shares))])
+            .with_bar(bar(["few kept", "", "all kept"], sequential)),
         Legend::Classes { counts, invalid } => {
             let names = if overlay == Overlay::Split { spans(tokens) } else { agreements(tokens) };
             shares(names, *counts, *invalid, counts.iter().sum::<u64>() + invalid)
         }
         Legend::ViewDependence { visible, alike, unknown } => {
             let total = visible + alike + unknown;
-            let mut legend = vec![words(&format!("Differs noticeably: {}.", percent(*visible, total)))];
-            legend.extend(unknown_entry(*unknown as f64 / total.max(1) as f64));
+            let differs = words(&format!("Differs noticeably: {}.", percent(*visible, total)));
+            let alone = unknown_entry(*unknown as f64 / total.max(1) as f64);
             let high = format!("{VIEW_DEPENDENCE_RANGE:.0} of 255");
-            Meaning { legend, color_bar: Some(bar(["0", "", &high], sequential)) }
+            Meaning::of([differs].into_iter().chain(alone)).with_bar(bar(["0", "", &high], sequential))
         }
         Legend::Winners { kept, lost_to, dropped, invalid } => {
             let total = kept + dropped + invalid + lost_to.iter().sum::<u64>();
@@ -98,8 +100,7 @@ pub(crate) fn of_source(
                 legend
                     .push(entry(tokens.hole, format!("contradicted or mixed {}", percent(*dropped, total))));
             }
-            legend.extend(no_depth(*invalid, total));
-            Meaning { legend, color_bar: None }
+            Meaning::of(legend.into_iter().chain(no_depth(*invalid, total)))
         }
     }
 }
@@ -140,16 +141,10 @@ fn of_samples(key: &LiveKey, rendered: &Picture) -> Meaning {
                 let name = &key.samples.cameras[camera as usize].name;
                 entry(camera_cues::color(camera as usize), format!("{name} {}", percent(count, total)))
             });
-            Meaning { legend: shown.collect(), color_bar: None }
+            Meaning::of(shown)
         }
-        ColorBy::Agreement => {
-            let found = agreements(tokens).map(|(color, name)| entry(color, name.to_owned()));
-            Meaning { legend: found.to_vec(), color_bar: None }
-        }
-        ColorBy::Span => {
-            let spans = spans(tokens).map(|(color, name)| entry(color, name.to_owned()));
-            Meaning { legend: spans.to_vec(), color_bar: None }
-        }
+        ColorBy::Agreement => Meaning::of(agreements(tokens).map(|(color, name)| entry(color, name))),
+        ColorBy::Span => Meaning::of(spans(tokens).map(|(color, name)| entry(color, name))),
         ColorBy::Value => {
             let found = key.display.values.channel_of(&key.samples.values);
             let colored =
@@ -158,9 +153,7 @@ fn of_samples(key: &LiveKey, rendered: &Picture) -> Meaning {
                 colored.map(|(channel, colors)| of_values(ColorBar::of_values(channel, &colors), &colors));
             meaning.unwrap_or_default()
         }
-        ColorBy::SamplingRate => {
-            Meaning { legend: Vec::new(), color_bar: Some(ratio("denser than pixels", "coarser")) }
-        }
+        ColorBy::SamplingRate => Meaning::default().with_bar(ratio("denser than pixels", "coarser")),
     }
 }
 
@@ -168,18 +161,17 @@ fn of_samples(key: &LiveKey, rendered: &Picture) -> Meaning {
 pub(crate) fn of_values(bar: ColorBar, colors: &ValueColors) -> Meaning {
     let grays = [(MISSING_COLOR, "no value"), (BACKGROUND_COLOR, "background")];
     let grays = grays.map(|(color, name)| LegendEntry { color: Some(color), name: name.to_owned() });
-    let legend = if colors.leaves_out_missing() { Vec::new() } else { grays.to_vec() };
-    Meaning { legend, color_bar: Some(bar) }
+    let grays = grays.into_iter().filter(|_| !colors.leaves_out_missing());
+    Meaning::of(grays).with_bar(bar)
 }
 
 /// What both sides of a comparison are called, and what the colors of a difference mean.
 pub(crate) fn of_comparison(compared: &ComparisonFigure) -> Meaning {
     let [left, right] = &compared.names;
-    let named = |text: &str| Meaning { legend: vec![words(text)], color_bar: None };
     match compared.shown() {
-        ShownSides::One(side @ (0 | 1)) => named(&compared.names[side]),
+        ShownSides::One(side @ (0 | 1)) => Meaning::of([words(&compared.names[side])]),
         ShownSides::One(_) => {
-            let mut meaning = named(&format!("Difference of {left} and {right}"));
+            let mut meaning = Meaning::of([words(&format!("Difference of {left} and {right}"))]);
             let [low, high] = compared.measure.ends(compared.range);
             if compared.measure == CompareMeasure::Class {
                 let classes = CLASSES
@@ -189,12 +181,11 @@ pub(crate) fn of_comparison(compared: &ComparisonFigure) -> Meaning {
             } else {
                 meaning.color_bar = Some(bar([&low, "", &high], |position| compared.measure.color(position)));
             }
-            meaning.legend.push(entry(Tokens::of(compared.dark).raised, "no sample on one side".to_owned()));
+            meaning.legend.push(entry(Tokens::of(compared.dark).raised, "no sample on one side"));
             meaning
         }
         ShownSides::Wiped(_) | ShownSides::Beside => {
-            let sides = [format!("Left: {left}"), format!("Right: {right}")];
-            Meaning { legend: sides.iter().map(|side| words(side)).collect(), color_bar: None }
+            Meaning::of([words(&format!("Left: {left}")), words(&format!("Right: {right}"))])
         }
     }
 }
@@ -229,13 +220,13 @@ fn bar(ends: [&str; 3], color: impl Fn(f32) -> Color32) -> ColorBar {
 }
 
 /// The dimmed picture of what one camera alone shows, where there is any; its share is 0 to 1.
-fn unknown_entry(share: f64) -> Vec<LegendEntry> {
+fn unknown_entry(share: f64) -> Option<LegendEntry> {
     let there = (share > 0.0).then(|| format!("seen by one camera {:.1} %", 100.0 * share));
-    there.map(|name| entry(dimmed(Color32::GRAY, UNKNOWN), name)).into_iter().collect()
+    there.map(|name| entry(dimmed(Color32::GRAY, UNKNOWN), name))
 }
 
-fn entry(color: Color32, name: String) -> LegendEntry {
-    LegendEntry { color: Some(rgb(color)), name }
+fn entry(color: Color32, name: impl Into<String>) -> LegendEntry {
+    LegendEntry { color: Some(rgb(color)), name: name.into() }
 }
 
 fn words(text: &str) -> LegendEntry {
