@@ -10,6 +10,7 @@
 
 use std::fmt::{self, Display};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -89,6 +90,16 @@ impl ViewAddress {
         }
         let says_something = read.view.is_some() || read.camera.is_some() || read.frame_number.is_some();
         says_something.then_some(read)
+    }
+}
+
+impl FromStr for ViewAddress {
+    type Err = &'static str;
+
+    /// With the `#` or without.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let read = Self::read(text.trim_start_matches('#'));
+        read.ok_or("it is no address; write it as #view=…&frame=…")
     }
 }
 

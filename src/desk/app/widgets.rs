@@ -323,10 +323,16 @@ const VIEW_PICTURE: Vec2 = vec2(58.0, 39.0);
 
 /// The small picture of a view that is called `name`; true where it was clicked.
 pub(crate) fn view_picture_ui(ui: &mut Ui, shown: Option<&TextureHandle>, name: &str) -> bool {
-    let tokens = Tokens::in_ui(ui);
-    let (room, response) = ui.allocate_exact_size(VIEW_PICTURE, Sense::click());
+    let (_, response) = ui.allocate_exact_size(VIEW_PICTURE, Sense::click());
     let name = format!("Go to {name}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    small_picture(ui, &response, shown);
+    response.on_hover_text(name).clicked()
+}
+
+/// Draws a small picture whole in the middle of what responds, with a frame where it is pointed at or has the keyboard.
+pub(crate) fn small_picture(ui: &Ui, response: &Response, shown: Option<&TextureHandle>) {
+    let (room, tokens) = (response.rect, Tokens::in_ui(ui));
     ui.painter().rect_filled(room, 3.0, tokens.canvas);
     if let Some(texture) = shown {
         let size = texture.size_vec2();
@@ -337,7 +343,6 @@ pub(crate) fn view_picture_ui(ui: &mut Ui, shown: Option<&TextureHandle>, name: 
         let stroke = egui::Stroke::new(2.0, tokens.accent);
         ui.painter().rect_stroke(room, 3.0, stroke, egui::StrokeKind::Inside);
     }
-    response.on_hover_text(name).clicked()
 }
 
 /// A line of text on the scrim.

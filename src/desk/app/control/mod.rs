@@ -110,7 +110,7 @@ impl OverlookApp {
             let adapter = window.adapter.get_info();
             format!("{} ({})", adapter.name, adapter.backend)
         });
-        let dock = Memory::load(storage).restore(&mut state);
+        let dock = Memory::load(storage).restore(&mut state, ctx);
         state.look.workspace = dock.workspace();
         if storage.is_none() {
             // Nothing can be remembered, so that it would be a first run every time.
@@ -137,7 +137,7 @@ impl OverlookApp {
             Start::Welcome => {
                 app.apply(Command::Window(WindowCommand::Workspace(Workspace::Explore)));
                 app.state.timeline.plays_once_open = true;
-                app.open_room();
+                app.open(Opening::Room);
             }
             Start::Path(path) => app.open_path(&path),
         }
@@ -197,7 +197,7 @@ impl OverlookApp {
 
     /// Leaves what the next run brings back.
     pub(crate) fn remember(&mut self, storage: &mut dyn eframe::Storage) {
-        self.state.remember_picture();
+        self.state.remember_picture(&self.ctx);
         Memory::of(&self.state, &self.dock).save(storage);
     }
 

@@ -150,8 +150,7 @@ impl OverlookApp {
             Message::Tuned { tuned, .. } => state.doc.charts.tuned = Some(tuned),
             Message::Ranked { camera, known, .. } => state.doc.charts.add_ranked(*camera, known),
             Message::Studied { left, .. } => self.studied(left),
-            Message::FigureDrawn { image, width_mm } => self.figure_drawn(image, width_mm),
-            Message::ChartDrawn { study, image } => self.chart_drawn(study, image),
+            Message::Drawn { image, name, width_mm } => self.drawn(image, &name, width_mm),
             Message::Exported { path, exported } => self.exported(&path, &exported),
             Message::PathSaved { path, saved } => self.path_saved(&path, saved),
             Message::PathLoaded { path, file, .. } => self.path_loaded(&path, &file),
@@ -162,9 +161,7 @@ impl OverlookApp {
             Message::EditsLoaded { path, list, .. } => self.edits_loaded(&path, list),
             Message::SettingsLoaded { path, settings } => self.settings_loaded(&path, settings),
             Message::PathChosen { purpose, path } => self.path_chosen(purpose, path),
-            Message::DestinationChecked { destination, taken } => {
-                self.destination_checked(&destination, taken);
-            }
+            Message::PathChecked { purpose, path, taken } => self.path_checked(purpose, path, taken),
             Message::ReadingsChecked { finding, .. } => self.readings_checked(finding),
             Message::ReadingsShown { images, .. } => self.readings_shown(images),
             Message::Stopped { title, text } => self.stopped_writing(title, text),

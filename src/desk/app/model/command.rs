@@ -103,7 +103,6 @@ pub(crate) enum FileCommand {
     AskPath(Purpose),
     /// Save the session where it was saved last, or ask where.
     SaveSession,
-    /// Show the field for typing a path.
     /// What is in the field now.
     TypedPath(String),
     /// Take the path in the field.

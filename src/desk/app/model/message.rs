@@ -5,18 +5,17 @@ use std::sync::Arc;
 
 use crate::app::model::look::FrameValues;
 use crate::app::model::picture::{CarriedLook, CarryKey, LiveKey, LivePicture, SourceKey, SourcePicture};
-use crate::app::model::purpose::{Destination, Purpose};
+use crate::app::model::purpose::Purpose;
 use crate::app::model::scene::{Accuracy, CameraMemory, Inspected, OpenScene};
 use crate::app::model::work_kind::WorkKind;
 use crate::app::rooms::change::state::ChangeRequest;
-use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::compare::state::{CompareKey, PictureDifference, PictureFolder};
 use crate::app::rooms::edits::state::{EditKey, EditedScene};
 use crate::app::rooms::path::{CameraPath, SavedPathKey};
 use crate::app::rooms::pixel::state::{Probed, Spot};
 use crate::app::rooms::readings::state::ReadingImages;
 use crate::app::rooms::settings::ThresholdHistogram;
-use crate::app::rooms::share::state::{Exported, SharePreview, SharePreviewKey};
+use crate::app::rooms::share::state::{Exported, SharePreviewKey};
 use crate::ways_out::Facts;
 use overlook_engine::capture::conventions::Finding;
 use overlook_engine::capture::transforms::PathFile;
@@ -144,40 +143,36 @@ pub(crate) enum Message {
         scene: u64,
         left: usize,
     },
-    /// A figure for the clipboard, so many millimeters wide, or a picture without that.
-    FigureDrawn {
+    /// What goes to the clipboard, and what it is called; a figure also has a width on paper.
+    Drawn {
         image: egui::ColorImage,
+        name: String,
         width_mm: Option<f64>,
-    },
-    /// The chart of a study for the clipboard.
-    ChartDrawn {
-        study: Study,
-        image: egui::ColorImage,
     },
     /// What is shared is written.
     Exported {
         path: PathBuf,
         exported: Exported,
     },
-    /// What sizes follow from is measured.
-    /// What is shared within a budget; `None` where it is too small for anything.
+    /// What is shared within a budget, and its PSNR beside the picture of all samples, dB; `None` where it is too small for anything.
     SharePreviewed {
         key: SharePreviewKey,
-        preview: Option<SharePreview>,
+        preview: Option<(Arc<egui::ColorImage>, Option<f64>)>,
     },
+    /// What sizes follow from is measured.
     SizesMeasured {
         scene: u64,
         facts: Facts,
     },
     /// The folder of a file is shown by the system.
     FolderShown,
-    /// A camera path is written.
     /// A session was written, with the camera path and the edits in it.
     SessionSaved {
         path: PathBuf,
         keys: Vec<SavedPathKey>,
         list: EditList,
     },
+    /// A camera path is written.
     PathSaved {
         path: PathBuf,
         saved: CameraPath,
@@ -219,8 +214,9 @@ pub(crate) enum Message {
         path: Option<PathBuf>,
     },
     /// Whether a file or folder to be written exists already.
-    DestinationChecked {
-        destination: Destination,
+    PathChecked {
+        purpose: Purpose,
+        path: PathBuf,
         taken: bool,
     },
     /// Writing was stopped by the person.

@@ -111,13 +111,6 @@ pub(crate) enum ShareCommand {
     ShowInFolder(PathBuf),
 }
 
-/// Somewhere to write, before anything is written there.
-#[derive(Clone, Debug)]
-pub(crate) struct Destination {
-    pub purpose: Purpose,
-    pub path: PathBuf,
-}
-
 /// A path that is being typed.
 #[derive(Clone, Debug)]
 pub(crate) struct TypedPath {

@@ -14,10 +14,8 @@ use crate::app::model::picture::{
     ColorBy, HoleDisplay, LiveKey, LivePicture, Overlay, PixelSource, ShownCarried, SourceKey, SourcePicture,
 };
 use crate::app::model::purpose::TypedPath;
-use crate::app::model::scene::{
-    Accuracy, CameraMemory, Content, Inspected, OpenScene, SceneSource, Whole, method_of,
-};
-use crate::app::model::texture::Texture;
+use crate::app::model::scene::{Accuracy, CameraMemory, Content, Inspected, OpenScene, Whole, method_of};
+use crate::app::model::texture::{Texture, smaller};
 use crate::app::model::undo::History;
 use crate::app::model::window::{
     CommandPalette, DockView, HelpPage, LogLine, Notice, NoticeKind, WindowLook,
@@ -248,12 +246,9 @@ impl State {
     }
 
     /// Keeps a small picture of what is open, and those of other files that were open lately.
-    pub(crate) fn remember_picture(&mut self) {
-        let Some(SceneSource::Path(path)) = self.doc.scene.as_ref().map(|scene| &scene.origin) else {
-            return;
-        };
-        let Some(picture) = self.shown_picture() else { return };
-        let picture = RecentPicture::new(path, picture);
+    pub(crate) fn remember_picture(&mut self, ctx: &egui::Context) {
+        let Some((path, picture)) = self.opened_path().zip(self.shown_picture()) else { return };
+        let picture = RecentPicture::new(ctx, path.clone(), smaller(picture));
         let recent = &self.recent;
         self.recent_pictures.retain(|known| known.path != picture.path && recent.contains(&known.path));
         self.recent_pictures.push(picture);

@@ -8,9 +8,10 @@ use crate::app::model::command::{ChartCommand, FileCommand, Opening, PathCommand
 use crate::app::model::picture::ColorBy;
 use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::rooms::charts::state::Study;
-use crate::app::rooms::share::state::ShareOutcome;
+use crate::app::rooms::share::state::{ShareOutcome, SharePreviewKey};
 use crate::app::rooms::timeline::TimeCommand;
 use crate::app::tests::{change_path, ready, settle, wait};
+use crate::app::work::worker::Wanted;
 use crate::ways_out;
 use crate::ways_out::{Options, Way};
 use overlook_engine::demo::DemoSpec;
@@ -88,7 +89,7 @@ fn what_a_budget_leaves_is_seen_before_it_is_made_and_less_is_farther_from_all()
         app.apply(Command::Share(ShareCommand::Change(Box::new(options))));
         let is_of_it = |app: &OverlookApp| {
             let shown = app.state.share.preview.as_ref().map(|shown| &shown.key);
-            shown.is_some() && shown == app.state.share_preview_key().as_ref()
+            shown.is_some() && shown == SharePreviewKey::wanted(&app.state).as_ref()
         };
         wait(&mut app, "the preview of this budget", is_of_it);
         let shown = app.state.share.preview.as_ref().unwrap();

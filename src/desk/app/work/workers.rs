@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::worker::Supersede::{Alternate, Always, Never, Queue};
 use crate::app::model::picture::{CarryKey, LiveKey};
-use crate::app::model::purpose::{Destination, Purpose};
+use crate::app::model::purpose::Purpose;
 use crate::app::model::{Message, State, WorkKind as Kind};
 use crate::app::rooms::change::state::ChangeRequest;
 use crate::app::rooms::change::work as change;
@@ -56,7 +56,7 @@ pub(crate) struct Workers {
     /// The system's dialogs, and the name that they suggest.
     pub dialog: Worker<(Purpose, String)>,
     /// Whether a destination exists already.
-    pub check: Worker<Destination>,
+    pub check: Worker<(Purpose, PathBuf)>,
     pub probe: Slot<ProbeKey>,
     pub thumbs: Slot<ThumbnailRequest>,
     pub memory: Slot<MemoryRequest>,
@@ -159,8 +159,8 @@ impl Workers {
             dialog: Worker::start(Kind::Dialog, Never, outbox, |(purpose, name), _| {
                 Ok(Message::PathChosen { purpose, path: files::ask(purpose, name) })
             })?,
-            check: Worker::start(Kind::CheckPath, Never, outbox, |destination, _| {
-                Ok(files::check(destination))
+            check: Worker::start(Kind::CheckPath, Never, outbox, |(purpose, path), _| {
+                Ok(files::check(purpose, path))
             })?,
             probe: Slot::start(Kind::PixelExplanation, Never, outbox, |key: ProbeKey, _| {
                 let probed = facts::probe(&key).map(Arc::new);

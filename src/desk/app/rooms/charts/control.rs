@@ -44,18 +44,9 @@ impl OverlookApp {
     /// Draws a chart for the clipboard.
     fn copy_chart(&mut self, study: Study) {
         match sheet(study, &self.state) {
-            Some(chart) => self.draw_chart(study, chart),
+            Some(chart) => self.draw_chart(study.chart_name(), chart),
             None => self.state.warn_of_scene("Nothing to copy", study.no_chart()),
         }
-    }
-
-    /// Takes in a chart that was drawn to be copied.
-    pub(crate) fn chart_drawn(&mut self, study: Study, image: egui::ColorImage) {
-        let [columns, rows] = image.size;
-        self.ctx.copy_image(image);
-        let name = study.chart_name();
-        let text = format!("The {name} is on the clipboard: {columns}×{rows} pixels.");
-        self.state.notify(NoticeKind::Done, "Copied", text);
     }
 
     /// Asks what to measure, and says how much that is.

@@ -9,7 +9,7 @@ use crate::app::model::camera::OrbitCamera;
 use crate::app::model::command::{FileCommand, Opening, ViewCommand, WindowCommand};
 use crate::app::model::look::Display;
 use crate::app::model::picture::{ColorBy, Overlay};
-use crate::app::model::purpose::{Destination, Purpose};
+use crate::app::model::purpose::Purpose;
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::window::{DockView, NoticeKind, Workspace};
 use crate::app::model::{self, Command, Document, OpenScene, SceneSource};
@@ -31,8 +31,7 @@ impl OverlookApp {
             _ if self.state.unsaved_work().is_none() => self.open(opening),
             // First whether there is anything: nobody should give up work for a path that does not exist.
             Opening::Path(path) => {
-                let path = lasting(path);
-                self.workers.check.submit(Destination { purpose: Purpose::OpenFile, path });
+                self.workers.check.submit((Purpose::OpenFile, lasting(path)));
             }
             opening => self.state.open_after_question = Some(opening),
         }
@@ -40,10 +39,11 @@ impl OverlookApp {
 
     pub(crate) fn open(&mut self, opening: Opening) {
         match opening {
-            Opening::Demo(scene) => {
-                self.open_demo(DemoSpec::new(scene));
+            Opening::Demo(scene) => self.open_demo(DemoSpec::new(scene)),
+            Opening::Room => {
+                self.state.opening = Some("room".to_owned());
+                self.workers.open.submit(OpenRequest::Room);
             }
-            Opening::Room => self.open_room(),
             Opening::Path(path) => self.open_path(&path),
             Opening::Reading(otherwise) => self.open_reading(otherwise),
         }
@@ -55,23 +55,14 @@ impl OverlookApp {
         if self.state.inspector.closing.asks {
             self.state.inspector.closing.anyway = true;
             self.ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            return;
-        }
-        if let Some(opening) = opens {
+        } else if let Some(opening) = opens {
             self.open(opening);
         }
     }
 
-    /// Opens a built-in scene.
     pub(crate) fn open_demo(&mut self, spec: DemoSpec) {
         self.state.opening = Some(model::words(&spec.scene));
         self.workers.open.submit(OpenRequest::Demo { spec, settings: self.state.settings.capture.clone() });
-    }
-
-    /// Opens the room that comes with the program.
-    pub(crate) fn open_room(&mut self) {
-        self.state.opening = Some("room".to_owned());
-        self.workers.open.submit(OpenRequest::Room);
     }
 
     /// Opens a capture or a store, at the view that an address names.
@@ -85,7 +76,7 @@ impl OverlookApp {
 
 impl OverlookApp {
     pub(crate) fn opened(&mut self, scene: &Arc<OpenScene>) {
-        self.state.remember_picture();
+        self.state.remember_picture(&self.ctx);
         self.forget_closed_scene(scene);
         self.look_at_first(scene);
         self.show_views_of_scene();
@@ -96,7 +87,11 @@ impl OverlookApp {
         if let Some(session) = &scene.session {
             self.take_session(session, scene);
         }
-        self.go_to_opened_address(scene);
+        if let Some((path, view)) = self.address_to_open.take()
+            && scene.origin == SceneSource::Path(path)
+        {
+            self.go_to_view(scene, &view);
+        }
         let plays_once_open = std::mem::take(&mut self.state.timeline.plays_once_open);
         self.state.timeline.playing |= plays_once_open && scene.frame_count() > 1;
     }
@@ -207,15 +202,11 @@ impl OverlookApp {
     /// sees the same to the last bit.
     pub(crate) fn copy_address(&mut self) {
         let (Some(scene), Some(view)) = (self.state.doc.scene.clone(), self.view_address()) else { return };
-        let place = match &scene.origin {
-            SceneSource::Path(path) => path.display().to_string(),
-            SceneSource::Demo(_) | SceneSource::Room => String::new(),
-        };
+        let place = self.state.opened_path().map_or_else(String::new, |path| path.display().to_string());
         self.ctx.copy_text(format!("{place}{view}"));
         self.go_to_view(&scene, &view);
-        let state = &mut self.state;
         let text = "Paste it into a window of Overlook (Ctrl+V), give it to overlook open, or append what follows the # to a page.";
-        state.notify(NoticeKind::Done, "Address copied", text);
+        self.state.notify(NoticeKind::Done, "Address copied", text);
     }
 
     /// The address of the view, without the scene's; `None` while nothing is shown.
@@ -240,14 +231,6 @@ impl OverlookApp {
                 self.apply(Command::File(FileCommand::Open(Opening::Path(format!("{place}{view}").into()))));
             }
             _ => {}
-        }
-    }
-
-    /// Goes to the view that a path was opened for.
-    pub(crate) fn go_to_opened_address(&mut self, scene: &OpenScene) {
-        let Some((path, view)) = self.address_to_open.take() else { return };
-        if scene.origin == SceneSource::Path(path) {
-            self.go_to_view(scene, &view);
         }
     }
 

@@ -8,8 +8,6 @@ pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
 use crate::app::model::look::{Display, ShownCameras};
@@ -19,7 +17,6 @@ use crate::app::model::state::State;
 use crate::app::rooms::compare::state::{
     CompareChoice, CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage,
 };
-use overlook_engine::error::{Error, Result};
 
 /// How both views look.
 #[serde_with::skip_serializing_none]
@@ -80,33 +77,8 @@ impl SessionLook {
         }
     }
 
-    /// As a session holds it.
-    pub(crate) fn to_table(&self) -> toml::Table {
-        // Numbers and names, which TOML holds all.
-        toml::Table::try_from(self).unwrap_or_default()
-    }
-
-    /// Reads what a session at `place` holds; `None` where it says nothing.
-    ///
-    /// # Errors
-    /// `Invalid` with what is wrong.
-    pub(crate) fn read(table: &toml::Table, place: &Path) -> Result<Option<Self>> {
-        if table.is_empty() {
-            return Ok(None);
-        }
-        let invalid = |what: String| Error::invalid(place.display(), format!("[look]: {what}"));
-        let look: Self =
-            table.clone().try_into().map_err(|error: toml::de::Error| invalid(error.message().to_owned()))?;
-        if !look.is_finite() {
-            return Err(invalid(
-                "a number cannot be shown; write finite ones, and a gamma above 0".to_owned(),
-            ));
-        }
-        Ok(Some(look))
-    }
-
     /// Whether all numbers can be shown.
-    fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         let Display { exposure, offset, gamma, values, .. } = self.display;
         let ends = [values.range, values.isolated].into_iter().flatten().flatten();
         let others = [exposure, offset, gamma, self.frames_per_second];
@@ -135,25 +107,5 @@ impl SessionLook {
         let from = if is_there { from } else { CompareVantage::Live };
         let choice = CompareChoice { sides, from, measure, range };
         state.inspector.compare = CompareLook { choice, mode, ..CompareLook::default() };
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_no_look_says_what_is_wrong() {
-        let read = |text: &str| {
-            let table = text.parse().unwrap();
-            SessionLook::read(&table, Path::new("s.overlook")).map_err(|error| error.to_string())
-        };
-        assert_eq!(read(""), Ok(None));
-        for (text, words) in
-            [("overlay = \"Depth\"", "missing field"), ("overlay = \"Fog\"", "unknown variant")]
-        {
-            let error = read(text).unwrap_err();
-            assert!(error.starts_with("s.overlook") && error.contains(words), "{error}");
-        }
     }
 }

@@ -5,18 +5,17 @@ use std::time::{Duration, Instant};
 
 use crate::app::control::OverlookApp;
 use crate::app::model::command::{FileCommand, Opening};
-use crate::app::model::purpose::{AskedPath, Destination, FigureOf, Purpose, TableForm, TypedPath};
+use crate::app::model::purpose::{AskedPath, FigureOf, Purpose, TableForm, TypedPath};
 use crate::app::model::window::NoticeKind;
-use crate::app::model::{Command, Message, SceneSource, State, WorkKind};
+use crate::app::model::{Command, Message, State, WorkKind};
 use crate::app::rooms::charts::sheet;
-use crate::app::rooms::charts::state::Study;
-use crate::app::rooms::files::work::{chart_bytes, chart_image, open_rendered, read_path};
+use crate::app::rooms::files::work::{chart_bytes, chart_image, open_rendered};
 use crate::app::rooms::path::NO_KEYS;
 use crate::app::rooms::report::table_text;
 use crate::app::work::FileWork;
 use crate::ways_out::store::STORE;
 use crate::ways_out::{Action, Needs};
-use overlook_engine::capture::transforms::path_to_json;
+use overlook_engine::capture::transforms::{open_path, path_to_json};
 use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -27,8 +26,6 @@ use overlook_lab::chart::Chart;
 /// A dialog that closes faster than this was not shown: a system without one may take that long to find out.
 const NO_DIALOG: Duration = Duration::from_secs(2);
 
-const NO_DIALOG_WORDS: &str = "The system's file dialog gave no path; type it here instead.";
-
 impl OverlookApp {
     /// Carries out what concerns files.
     pub(crate) fn apply_to_files(&mut self, command: FileCommand) {
@@ -36,7 +33,9 @@ impl OverlookApp {
             FileCommand::Open(opening) => self.ask_to_open(opening),
             // Before a path is chosen for nothing.
             FileCommand::AskPath(purpose) if self.refuses(purpose) => {}
-            FileCommand::AskPath(purpose) if !self.has_dialogs => self.type_path(purpose, None),
+            FileCommand::AskPath(purpose) if !self.has_dialogs => {
+                self.type_path(purpose, suggested_name(&self.state, purpose), None);
+            }
             FileCommand::AskPath(purpose) => {
                 self.asked_at = Some(Instant::now());
                 self.workers.dialog.submit((purpose, suggested_name(&self.state, purpose)));
@@ -65,8 +64,7 @@ impl OverlookApp {
         }
     }
 
-    fn type_path(&mut self, purpose: Purpose, reason: Option<String>) {
-        let text = suggested_name(&self.state, purpose);
+    fn type_path(&mut self, purpose: Purpose, text: String, reason: Option<String>) {
         let folder = std::env::current_dir().ok();
         self.state.typed_path = Some(TypedPath { purpose, text, folder, reason, replaces: false });
     }
@@ -80,7 +78,7 @@ impl OverlookApp {
             return;
         };
         if purpose.writes() && !typed.replaces {
-            self.workers.check.submit(Destination { purpose, path });
+            self.workers.check.submit((purpose, path));
         } else {
             self.last_typed = self.state.typed_path.take();
             self.take_path(purpose, path);
@@ -88,10 +86,9 @@ impl OverlookApp {
     }
 
     /// Takes in whether the path in the field exists.
-    pub(crate) fn destination_checked(&mut self, destination: &Destination, taken: bool) {
-        let Destination { purpose, path } = destination;
+    pub(crate) fn path_checked(&mut self, purpose: Purpose, path: PathBuf, taken: bool) {
         if !purpose.writes() {
-            let opening = Opening::Path(path.clone());
+            let opening = Opening::Path(path);
             if taken && self.state.unsaved_work().is_some() {
                 self.state.open_after_question = Some(opening);
             } else {
@@ -100,17 +97,15 @@ impl OverlookApp {
             }
             return;
         }
-        let typed = self.state.typed_path.as_mut();
-        let Some(typed) = typed
-            .filter(|typed| typed.purpose == *purpose && typed_destination(typed).as_ref() == Some(path))
-        else {
-            return;
+        let is_meant = |typed: &&mut TypedPath| {
+            typed.purpose == purpose && typed_destination(typed).as_ref() == Some(&path)
         };
+        let Some(typed) = self.state.typed_path.as_mut().filter(is_meant) else { return };
         if taken {
             typed.replaces = true;
         } else {
             self.last_typed = self.state.typed_path.take();
-            self.take_path(*purpose, path.clone());
+            self.take_path(purpose, path);
         }
     }
 
@@ -124,14 +119,14 @@ impl OverlookApp {
                     || named(purpose, path.clone()).as_ref() != Some(&path))
                     && path.to_str().is_some() =>
             {
-                self.type_path(purpose, None);
-                self.apply(Command::File(FileCommand::TypedPath(path.display().to_string())));
+                self.type_path(purpose, path.display().to_string(), None);
                 self.take_typed_path();
             }
             Some(path) => self.take_path(purpose, path),
             None if asked_at.is_some_and(|at| at.elapsed() < NO_DIALOG) => {
                 self.has_dialogs = false;
-                self.type_path(purpose, Some(NO_DIALOG_WORDS.to_owned()));
+                let reason = "The system's file dialog gave no path; type it here instead.";
+                self.type_path(purpose, suggested_name(&self.state, purpose), Some(reason.to_owned()));
             }
             None => {
                 self.state.notify(NoticeKind::Done, "No path was chosen", "Nothing was opened or written.");
@@ -159,6 +154,7 @@ impl OverlookApp {
             return;
         }
         let scene = self.state.doc.scene.clone();
+        let scene_id = scene.as_ref().map_or(0, |scene| scene.id);
         match purpose {
             Purpose::OpenFile | Purpose::OpenFolder => {
                 self.apply(Command::File(FileCommand::Open(Opening::Path(path))));
@@ -168,8 +164,9 @@ impl OverlookApp {
                 let settings = self.state.shown_settings();
                 self.save(path, move |path, _| saved(path, settings.to_toml()));
             }
-            Purpose::LoadSettings => self.load(path, |path, _| {
-                Ok(Message::SettingsLoaded { settings: Settings::load(path)?, path: path.to_path_buf() })
+            Purpose::LoadSettings => self.load(path, |path| {
+                let settings = Settings::load(&path)?;
+                Ok(Message::SettingsLoaded { path, settings })
             }),
             Purpose::SaveTable(table) => {
                 if let Some(text) = table_text(table, TableForm::of_file(&path), &self.state) {
@@ -182,24 +179,18 @@ impl OverlookApp {
                 }
             }
             Purpose::SavePath => self.save_path(path),
-            Purpose::LoadPath => {
-                let Some(scene) = scene.map(|scene| scene.id) else { return };
-                self.load(path, move |path, _| {
-                    Ok(Message::PathLoaded { scene, file: read_path(path)?, path: path.to_path_buf() })
-                });
-            }
+            Purpose::LoadPath => self.load(path, move |path| {
+                Ok(Message::PathLoaded { scene: scene_id, file: open_path(&path, false)?, path })
+            }),
             Purpose::SaveEdits => self.save_edits(path),
             Purpose::SaveSession => self.save_session(&path),
-            Purpose::LoadEdits => {
-                let Some(scene) = scene.map(|scene| scene.id) else { return };
-                self.load(path, move |path, _| {
-                    Ok(Message::EditsLoaded { scene, list: EditList::load(path)?, path: path.to_path_buf() })
-                });
-            }
+            Purpose::LoadEdits => self.load(path, move |path| {
+                Ok(Message::EditsLoaded { scene: scene_id, list: EditList::load(&path)?, path })
+            }),
             Purpose::OpenPictures => {
                 let Some(scene) = scene else { return };
-                self.load(path, move |path, _| {
-                    Ok(Message::PicturesOpened { scene: scene.id, folder: open_rendered(path, &scene)? })
+                self.load(path, move |path| {
+                    Ok(Message::PicturesOpened { scene: scene_id, folder: open_rendered(&path, &scene)? })
                 });
             }
         }
@@ -216,15 +207,15 @@ impl OverlookApp {
     }
 
     /// Reads a file, likewise.
-    fn load(&mut self, path: PathBuf, read: impl FnOnce(&Path, &Job) -> Result<Message> + Send + 'static) {
+    fn load(&mut self, path: PathBuf, read: impl FnOnce(PathBuf) -> Result<Message> + Send + 'static) {
         let stopped = ("Loading stopped", format!("Nothing was read from {}.", path.display()));
-        self.workers.file.submit(FileWork::new(stopped, move |job| read(&path, job)));
+        self.workers.file.submit(FileWork::new(stopped, move |_| read(path)));
     }
 
-    /// Draws a chart for the clipboard.
-    pub(crate) fn draw_chart(&mut self, study: Study, chart: Chart) {
+    /// Draws a chart for the clipboard, where it is called `name`.
+    pub(crate) fn draw_chart(&mut self, name: String, chart: Chart) {
         let stopped = ("Copying stopped", "Nothing was copied.".to_owned());
-        let draw = move |_: &Job| Ok(Message::ChartDrawn { study, image: chart_image(&chart)? });
+        let draw = move |_: &Job| Ok(Message::Drawn { image: chart_image(&chart)?, name, width_mm: None });
         self.workers.file.submit(FileWork::new(stopped, draw));
     }
 
@@ -251,7 +242,6 @@ impl OverlookApp {
 pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'static str, String)> {
     let where_not = |is_there: bool, text: &'static str| (!is_there).then_some(text);
     let no_scene = || no_scene(state);
-    let no_capture = |text| where_not(state.has_capture(), text);
     let no_keys = || where_not(state.doc.path.pictures() > 0, NO_KEYS);
     let no_samples = || no_scene().or_else(|| where_not(state.is_whole_ready(), not_pruned(state)));
     let (title, text) = match purpose {
@@ -281,16 +271,17 @@ pub(crate) fn what_is_missing(state: &State, purpose: Purpose) -> Option<(&'stat
         Purpose::SavePath => ("No camera path to save", no_scene().or_else(no_keys)),
         Purpose::LoadPath => ("No scene for a camera path", no_scene()),
         Purpose::SaveSession => {
-            let has_path =
-                state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
             let text =
                 "A session names the file or folder that is open; what comes with the program has none.";
-            ("No session to save", where_not(has_path, text))
+            ("No session to save", where_not(state.opened_path().is_some(), text))
         }
         Purpose::SaveEdits | Purpose::LoadEdits => ("No scene for edits", no_scene()),
         Purpose::OpenPictures => (
             "Nothing to compare pictures with",
-            no_capture("Open a capture first: a store has no viewpoints with true pictures."),
+            where_not(
+                state.has_capture(),
+                "Open a capture first: a store has no viewpoints with true pictures.",
+            ),
         ),
         Purpose::OpenFile | Purpose::OpenFolder | Purpose::SaveSettings | Purpose::LoadSettings => {
             return None;
@@ -400,6 +391,7 @@ pub(crate) fn lasting(path: PathBuf) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::rooms::charts::state::Study;
     use crate::ways_out::film::VIDEO;
     use crate::ways_out::page::PAGE;
     use crate::ways_out::pictures::PICTURE;
@@ -407,37 +399,33 @@ mod tests {
     use crate::ways_out::splats::GLB;
 
     #[test]
-    fn a_name_without_an_ending_gets_that_of_its_purpose() {
-        let named = |purpose, path: &str| named(purpose, path.into()).unwrap();
-        assert_eq!(named(Purpose::Share(&STORE), "/a/capture"), PathBuf::from("/a/capture.ovl"));
-        assert_eq!(named(Purpose::Share(&STORE), "/a/take.2"), PathBuf::from("/a/take.2.ovl"));
-        assert_eq!(named(Purpose::Share(&STORE), "/a/capture.ovl"), PathBuf::from("/a/capture.ovl"));
-        assert_eq!(named(Purpose::Share(&STORE), "/a/clean.ovl.ovl"), PathBuf::from("/a/clean.ovl"));
-        assert_eq!(named(Purpose::SaveSettings, "/a/mine"), PathBuf::from("/a/mine.toml"));
-        assert_eq!(named(Purpose::Share(&VIDEO), "/a/b.m4v"), PathBuf::from("/a/b.m4v"));
-        assert_eq!(named(Purpose::OpenFile, "/a/folder"), PathBuf::from("/a/folder"));
-        assert_eq!(named(Purpose::Share(&PAGE), "/a/scene"), PathBuf::from("/a/scene.html"));
-        assert_eq!(named(Purpose::Share(&PAGE), "/a/scene.HTM"), PathBuf::from("/a/scene.HTM"));
-        let picture = Purpose::Share(&PICTURE);
-        assert_eq!(named(picture, "/a/view"), PathBuf::from("/a/view.png"));
-        assert_eq!(named(picture, "/a/view.EXR"), PathBuf::from("/a/view.EXR"));
+    fn a_name_without_an_ending_gets_that_of_its_purpose_and_none_of_another_kind_is_taken() {
+        let [store, page, picture, splats, points] =
+            [&STORE, &PAGE, &PICTURE, &GLB, &POINTS].map(Purpose::Share);
         let chart = Purpose::SaveChart(Study::Sweep);
-        assert_eq!(named(chart, "/a/sweep"), PathBuf::from("/a/sweep.pdf"));
-        assert_eq!(named(chart, "/a/sweep.SVG"), PathBuf::from("/a/sweep.SVG"));
-        let splats = Purpose::Share(&GLB);
-        assert_eq!(named(splats, "/a/scene.2"), PathBuf::from("/a/scene.2.glb"));
-        for (purpose, path) in [
-            (Purpose::Share(&PAGE), "/a/scene.ovl"),
-            (splats, "/a/b.ply"),
-            (Purpose::Share(&POINTS), "/a/b.ovl"),
-            (chart, "/a/b.jpg"),
-            (Purpose::Share(&PICTURE), "/a/view.jpg"),
+        for (purpose, typed, expected) in [
+            (store, "/a/capture", Some("/a/capture.ovl")),
+            (store, "/a/take.2", Some("/a/take.2.ovl")),
+            (store, "/a/capture.ovl", Some("/a/capture.ovl")),
+            (store, "/a/clean.ovl.ovl", Some("/a/clean.ovl")),
+            (Purpose::SaveSettings, "/a/mine", Some("/a/mine.toml")),
+            (Purpose::Share(&VIDEO), "/a/b.m4v", Some("/a/b.m4v")),
+            (Purpose::OpenFile, "/a/folder", Some("/a/folder")),
+            (page, "/a/scene", Some("/a/scene.html")),
+            (page, "/a/scene.HTM", Some("/a/scene.HTM")),
+            (picture, "/a/view", Some("/a/view.png")),
+            (picture, "/a/view.EXR", Some("/a/view.EXR")),
+            (chart, "/a/sweep", Some("/a/sweep.pdf")),
+            (chart, "/a/sweep.SVG", Some("/a/sweep.SVG")),
+            (splats, "/a/scene.2", Some("/a/scene.2.glb")),
+            // A store is not replaced by what is shared of it.
+            (page, "/a/scene.ovl", None),
+            (splats, "/a/b.ply", None),
+            (points, "/a/b.ovl", None),
+            (chart, "/a/b.jpg", None),
+            (picture, "/a/view.jpg", None),
         ] {
-            assert_eq!(
-                super::named(purpose, path.into()),
-                None,
-                "a store is not replaced by what is shared of it"
-            );
+            assert_eq!(named(purpose, typed.into()), expected.map(PathBuf::from), "{typed}");
         }
     }
 

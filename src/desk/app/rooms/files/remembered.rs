@@ -28,7 +28,7 @@ pub(crate) struct Memory {
     /// Paths, and PNG pictures in base64.
     recent_pictures: Vec<(PathBuf, String)>,
     /// Paths, and which way was chosen to be up in them.
-    chosen_ups: Vec<(PathBuf, Option<[f64; 3]>)>,
+    chosen_ups: Vec<(PathBuf, Option<DVec3>)>,
     settings: String,
     /// The settings of the slot that is not on; empty while both are the same.
     other_settings: String,
@@ -66,7 +66,7 @@ impl Memory {
                 .collect(),
             chosen_ups: (state.chosen_ups.iter())
                 .filter(|(path, _)| state.recent.contains(path))
-                .map(|(path, up)| (path.clone(), up.map(|up| up.to_array())))
+                .cloned()
                 .collect(),
             settings: state.settings.to_toml(),
             other_settings: history.other.as_ref().map_or_else(String::new, Settings::to_toml),
@@ -81,21 +81,18 @@ impl Memory {
         }
     }
 
-    /// Remembers.
     pub(crate) fn save(&self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, KEY, self);
     }
 
     /// Puts what was remembered into a fresh state; gives the layout of the views.
-    pub(crate) fn restore(self, state: &mut State) -> Dock {
+    pub(crate) fn restore(self, state: &mut State, ctx: &egui::Context) -> Dock {
         state.dark = self.dark;
         state.recent = self.recent;
         state.recent_pictures = (self.recent_pictures.into_iter())
-            .filter_map(|(path, text)| RecentPicture::from_text(path, &text))
+            .filter_map(|(path, text)| RecentPicture::from_text(ctx, path, &text))
             .collect();
-        let unit = |up: [f64; 3]| DVec3::from(up).try_normalize();
-        state.chosen_ups =
-            (self.chosen_ups.into_iter()).map(|(path, up)| (path, up.and_then(unit))).collect();
+        state.chosen_ups = self.chosen_ups;
         let settings = |text: &str| Settings::known_from_toml(text).map(|(settings, _)| settings);
         state.settings = settings(&self.settings).unwrap_or_default();
         let other = (!self.other_settings.is_empty()).then(|| settings(&self.other_settings)).flatten();
@@ -112,20 +109,26 @@ impl Memory {
 }
 
 impl State {
+    /// The file or folder that is open; `None` for what comes with the program.
+    pub(crate) fn opened_path(&self) -> Option<&PathBuf> {
+        match &self.doc.scene.as_ref()?.origin {
+            SceneSource::Path(path) => Some(path),
+            SceneSource::Demo(_) | SceneSource::Room => None,
+        }
+    }
+
     /// Remembers which way was chosen to be up in what is open.
     pub(crate) fn remember_up(&mut self, up: Option<DVec3>) {
-        let Some(SceneSource::Path(path)) = self.doc.scene.as_ref().map(|scene| &scene.origin) else {
-            return;
-        };
-        self.chosen_ups.retain(|(known, _)| known != path);
-        self.chosen_ups.push((path.clone(), up));
+        let Some(path) = self.opened_path().cloned() else { return };
+        self.chosen_ups.retain(|(known, _)| *known != path);
+        self.chosen_ups.push((path, up));
     }
 
     /// Lets be up what was chosen when the scene was open before.
     pub(crate) fn take_chosen_up(&mut self, scene: &OpenScene) {
         let SceneSource::Path(path) = &scene.origin else { return };
         let chosen = self.chosen_ups.iter().find(|(known, _)| known == path);
-        if let Some(up) = chosen.and_then(|(_, up)| *up) {
+        if let Some(up) = chosen.and_then(|(_, up)| up.and_then(DVec3::try_normalize)) {
             self.live.up = Some(up);
             self.live.orbit = OrbitCamera::home(scene, up);
         }
@@ -143,6 +146,12 @@ pub(crate) fn remember_recent(recent: &mut Vec<PathBuf>, path: &Path) {
 mod tests {
     use super::*;
 
+    fn restored(memory: Memory) -> State {
+        let mut state = State::default();
+        memory.restore(&mut state, &egui::Context::default());
+        state
+    }
+
     #[test]
     fn both_settings_are_remembered_and_which_of_them_is_on() {
         let mut state = State::default();
@@ -151,23 +160,19 @@ mod tests {
         state.settings = state.inspector.history.switch(&a);
         state.settings.pruning.depth_tolerance = 3.0;
         let b = state.settings.clone();
-        let mut next = State::default();
-        Memory::of(&state, &Dock::new()).restore(&mut next);
+        let next = restored(Memory::of(&state, &Dock::new()));
         assert_eq!((next.inspector.history.slot, &next.settings), (SettingsSlot::B, &b));
         assert_eq!(next.inspector.history.of(SettingsSlot::A, &next.settings), &a);
-        let mut first = State::default();
-        Memory::default().restore(&mut first);
+        let first = restored(Memory::default());
         assert_eq!((first.inspector.history.slot, &first.inspector.history.other), (SettingsSlot::A, &None));
     }
 
     #[test]
     fn a_remembered_value_that_is_not_known_takes_no_other_setting_with_it() {
         let text = "[render]\nfill = \"texture\"\nviews = 3\n".to_owned();
-        let mut state = State::default();
-        Memory { settings: text, ..Memory::default() }.restore(&mut state);
         let mut expected = Settings::default();
         expected.render.views = 3;
-        assert_eq!(state.settings, expected);
+        assert_eq!(restored(Memory { settings: text, ..Memory::default() }).settings, expected);
     }
 
     #[test]
@@ -176,8 +181,7 @@ mod tests {
         state.recent.push("/kitchen".into());
         let ups = [("/kitchen", Some(DVec3::NEG_Y)), ("/cellar", None)];
         state.chosen_ups = ups.map(|(path, up)| (path.into(), up)).into();
-        let mut next = State::default();
-        Memory::of(&state, &Dock::new()).restore(&mut next);
+        let next = restored(Memory::of(&state, &Dock::new()));
         assert_eq!(next.chosen_ups, [("/kitchen".into(), Some(DVec3::NEG_Y))]);
     }
 

@@ -9,28 +9,21 @@ use crate::app::dock::Dock;
 use crate::app::model::command::FileCommand;
 use crate::app::model::purpose::Purpose;
 use crate::app::model::window::NoticeKind;
-use crate::app::model::{Command, Message, OpenScene, SceneSource};
+use crate::app::model::{Command, Message, OpenScene};
 use crate::app::rooms::files::SessionLook;
 use crate::app::rooms::files::state::Session;
-use crate::app::rooms::live::state::KeptView;
 use crate::app::rooms::path::{CameraPath, SavedPathKey};
 use overlook_engine::edits::EditList;
 use overlook_engine::whole_file;
 
 impl OverlookApp {
-    /// Writes the session.
     pub(crate) fn save_session(&mut self, place: &Path) {
         let Some(session) = self.session() else { return };
-        match session.to_text(place) {
-            Ok(text) => {
-                let (keys, list) = (self.state.doc.path.keys.clone(), self.state.doc.edits.list.clone());
-                self.save(place.to_path_buf(), move |path, _| {
-                    whole_file::write_all(path, text)?;
-                    Ok(Message::SessionSaved { path: path.to_path_buf(), keys, list })
-                });
-            }
-            Err(error) => self.state.notify(NoticeKind::Error, "Session not saved", error.to_string()),
-        }
+        let (keys, list) = (self.state.doc.path.keys.clone(), self.state.doc.edits.list.clone());
+        self.save(place.to_path_buf(), move |path, _| {
+            whole_file::write_all(path, session.to_text(path)?)?;
+            Ok(Message::SessionSaved { path: path.to_path_buf(), keys, list })
+        });
     }
 
     /// Takes in that a session was written: what is in it is saved, and the next one goes there without a question.
@@ -60,9 +53,8 @@ impl OverlookApp {
         }
         let Some(session) = self.session() else { return };
         self.ctx.copy_text(session.command_line());
-        let edits = "Save the edits as edits.toml first (Save > Save edits…), where the command is run.";
         let text = if session.has_edits() {
-            edits
+            "Save the edits as edits.toml first (Save > Save edits…), where the command is run."
         } else {
             "Paste it into a terminal: it prunes the same into a store."
         };
@@ -72,8 +64,7 @@ impl OverlookApp {
     /// The session of a scene that has a path.
     fn session(&self) -> Option<Session> {
         let state = &self.state;
-        let scene = state.doc.scene.as_ref()?;
-        let SceneSource::Path(opens) = &scene.origin else { return None };
+        let (scene, opens) = (state.doc.scene.as_ref()?, state.opened_path()?);
         let path = &state.doc.path;
         let path = if path.pictures() > 0 {
             // Keys as they are: what the camera looks at instead is said beside them.
@@ -91,10 +82,8 @@ impl OverlookApp {
             up_in_world: state.up_in_world(),
             view: self.view_address()?.to_string(),
             layout: self.dock.to_json(),
-            look: SessionLook::of(state, scene).to_table(),
-            kept_views: (state.doc.kept_views.iter())
-                .map(|kept| (kept.name.clone(), kept.view.clone()))
-                .collect(),
+            look: Some(SessionLook::of(state, scene)),
+            kept_views: state.doc.kept_views.clone(),
         })
     }
 
@@ -106,7 +95,7 @@ impl OverlookApp {
         self.dock = Dock::from_json(&session.layout);
         self.state.look.workspace = self.dock.workspace();
         self.show_areas_that_fit();
-        if let Ok(Some(look)) = SessionLook::read(&session.look, &session.opens) {
+        if let Some(look) = &session.look {
             look.put(&mut self.state, scene);
         }
         let up = session.up_in_world;
@@ -114,10 +103,9 @@ impl OverlookApp {
         self.state.doc.path = CameraPath::default();
         self.take_path_views(scene, &session.path, session.path_easing);
         self.state.doc.path.looks_at = session.path_looks_at;
-        let kept = session.kept_views.iter().cloned();
-        self.state.doc.kept_views = kept.map(|(name, view)| KeptView { name, view }).collect();
+        self.state.doc.kept_views.clone_from(&session.kept_views);
         self.state.take_edits(session.edits.clone());
-        if let Some(view) = ViewAddress::read(session.view.trim_start_matches('#')) {
+        if let Ok(view) = session.view.parse::<ViewAddress>() {
             self.go_to_view(scene, &view);
         }
     }

@@ -6,17 +6,18 @@ use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use egui::ColorImage;
+use egui::{ColorImage, TextureHandle, TextureOptions};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::address::ViewAddress;
 use crate::app::model::setting_names::SettingPairs;
-use crate::app::model::texture::{RECENT_SIDES, smaller};
+use crate::app::model::texture::RECENT_SIDES;
+use crate::app::rooms::files::SessionLook;
+use crate::app::rooms::live::state::KeptView;
 use overlook_engine::capture::transforms::{Easing, PathView, path_from_json, path_to_json};
 use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
-use overlook_engine::settings::{Field, Settings};
+use overlook_engine::settings::Settings;
 
 /// The ending of a session's file.
 pub(crate) const SESSION_ENDING: &str = "overlook";
@@ -24,7 +25,6 @@ pub(crate) const SESSION_ENDING: &str = "overlook";
 /// The version of the form.
 const VERSION: u32 = 1;
 
-/// A session.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Session {
     /// What is open: a capture or a store. Absolute.
@@ -42,10 +42,9 @@ pub(crate) struct Session {
     pub view: String,
     /// The arrangement of the views, as the window remembers it.
     pub layout: String,
-    /// How both views look, as [`crate::app::rooms::files::SessionLook`] writes it; empty in sessions that do not say it.
-    pub look: toml::Table,
-    /// The views that are kept: name and address.
-    pub kept_views: Vec<(String, ViewAddress)>,
+    /// How both views look; `None` in sessions that do not say it.
+    pub look: Option<SessionLook>,
+    pub kept_views: Vec<KeptView>,
 }
 
 /// The file.
@@ -70,23 +69,13 @@ struct SessionForm {
     /// Pictures from each key of the path to the next; empty where the path has them itself.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     path_pictures: Vec<usize>,
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    path_easing: String,
+    path_easing: Option<Easing>,
     path_looks_at: Option<[f64; 3]>,
     #[serde(default)]
     layout: String,
-    #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
-    look: toml::Table,
+    look: Option<SessionLook>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    kept_view: Vec<KeptViewForm>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct KeptViewForm {
-    name: String,
-    /// An address, as that of the view.
-    view: String,
+    kept_view: Vec<KeptView>,
 }
 
 impl Session {
@@ -118,16 +107,11 @@ impl Session {
             edits: if self.has_edits() { self.edits.to_toml() } else { String::new() },
             path,
             path_pictures: legs(&self.path),
-            path_easing: match self.path_easing {
-                Easing::Linear => String::new(),
-                easing => easing.to_string(),
-            },
+            path_easing: Some(self.path_easing).filter(|easing| *easing != Easing::Linear),
             path_looks_at: self.path_looks_at.map(|point| point.to_array()),
             layout: self.layout.clone(),
             look: self.look.clone(),
-            kept_view: (self.kept_views.iter())
-                .map(|(name, view)| KeptViewForm { name: name.clone(), view: view.to_string() })
-                .collect(),
+            kept_view: self.kept_views.clone(),
         };
         let text = toml::to_string_pretty(&form)
             .map_err(|error| Error::invalid(place.display(), error.to_string()))?;
@@ -142,18 +126,18 @@ impl Session {
     /// `Invalid` with what is wrong where.
     pub(crate) fn from_text(text: &str, place: &Path) -> Result<Self> {
         let name = place.display().to_string();
-        let invalid = |what: String| Error::invalid(&name, what);
+        let invalid = |what: &str| Error::invalid(&name, what);
         let form: SessionForm = toml::from_str(text).map_err(|error| {
             let before = error.span().map_or("", |span| &text[..span.start.min(text.len())]);
             let line = before.matches('\n').count() + 1;
-            invalid(format!("line {line}: {}", error.message()))
+            invalid(&format!("line {line}: {}", error.message()))
         })?;
         if form.version != VERSION {
             let what = format!(
                 "it has version {}, this Overlook reads version {VERSION}; use the Overlook that wrote it",
                 form.version
             );
-            return Err(invalid(what));
+            return Err(invalid(&what));
         }
         let folder = place.parent().unwrap_or(Path::new(""));
         let edits = if form.edits.is_empty() {
@@ -163,21 +147,12 @@ impl Session {
         };
         let path =
             if form.path.is_empty() { Vec::new() } else { path_from_json(form.path.as_bytes(), place)? };
-        let path_easing = match form.path_easing.as_str() {
-            "" => Easing::Linear,
-            easing => easing.parse().map_err(|what| invalid(format!("path_easing {what}")))?,
-        };
         let up = DVec3::from(form.up).try_normalize();
-        let up = up.ok_or_else(|| {
-            invalid("\"up\" is no direction; write it as three numbers, as in [0, 0, 1]".to_owned())
-        })?;
-        let kept_views = form.kept_view.into_iter().map(|KeptViewForm { name, view }| {
-            let read = ViewAddress::read(view.trim_start_matches('#'));
-            let what = || format!("the view of \"{name}\" is no address; write it as #view=…&frame=…");
-            let read = read.ok_or_else(|| invalid(what()))?;
-            Ok((name, read))
-        });
-        let kept_views = kept_views.collect::<Result<_>>()?;
+        let no_up = "\"up\" is no direction; write it as three numbers, as in [0, 0, 1]";
+        let up = up.ok_or_else(|| invalid(no_up))?;
+        if form.look.as_ref().is_some_and(|look| !look.is_finite()) {
+            return Err(invalid("[look]: a number cannot be shown; write finite ones, and a gamma above 0"));
+        }
         let opens = folder.join(form.opens);
         let moved = form.opens_beside.map(|beside| folder.join(beside)).filter(|_| !opens.exists());
         Ok(Self {
@@ -185,13 +160,13 @@ impl Session {
             settings: Settings::from_toml(&form.settings, &name)?,
             edits,
             path: with_pictures(path, &form.path_pictures),
-            path_easing,
+            path_easing: form.path_easing.unwrap_or(Easing::Linear),
             path_looks_at: form.path_looks_at.map(DVec3::from).filter(|point| point.is_finite()),
             up_in_world: up,
             view: form.view,
             layout: form.layout,
             look: form.look,
-            kept_views,
+            kept_views: form.kept_view,
         })
     }
 
@@ -206,10 +181,9 @@ impl Session {
         let pairs = SettingPairs::new(&self.settings, &defaults);
         let mut line = format!("overlook preprocess {} --out scene.ovl", quoted(&self.opens));
         for (field, [value, _]) in pairs.differing() {
-            let Field { path, .. } = field;
             let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
             // A string takes all that is written.
-            let _ = write!(line, " --set {path}={value}");
+            let _ = write!(line, " --set {}={value}", field.path);
         }
         if self.has_edits() {
             line += " --edits edits.toml";
@@ -256,17 +230,18 @@ fn quoted(path: &Path) -> String {
     if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
 }
 
-/// What the live view showed last of a file or folder.
-#[derive(Clone, Debug, PartialEq)]
+/// What the live view showed last of a file or folder, small.
 pub(crate) struct RecentPicture {
     pub path: PathBuf,
     pub image: Arc<ColorImage>,
+    pub texture: TextureHandle,
 }
 
 impl RecentPicture {
-    /// Shrinks a picture of any size.
-    pub(crate) fn new(path: &Path, picture: &ColorImage) -> Self {
-        Self { path: path.to_path_buf(), image: Arc::new(smaller(picture)) }
+    pub(crate) fn new(ctx: &egui::Context, path: PathBuf, image: ColorImage) -> Self {
+        let image = Arc::new(image);
+        let texture = ctx.load_texture("recent picture", image.clone(), TextureOptions::LINEAR);
+        Self { path, image, texture }
     }
 
     /// As text: a PNG in base64; `None` where it has no pixels.
@@ -281,12 +256,12 @@ impl RecentPicture {
     }
 
     /// From text; `None` where it is no such picture.
-    pub(crate) fn from_text(path: PathBuf, text: &str) -> Option<Self> {
+    pub(crate) fn from_text(ctx: &egui::Context, path: PathBuf, text: &str) -> Option<Self> {
         let bytes = STANDARD.decode(text).ok()?;
         let picture = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png).ok()?.to_rgb8();
         let size = [picture.width() as usize, picture.height() as usize];
         let is_small = size[0] <= RECENT_SIDES[0] && size[1] <= RECENT_SIDES[1];
-        is_small.then(|| Self { path, image: Arc::new(ColorImage::from_rgb(size, picture.as_raw())) })
+        is_small.then(|| Self::new(ctx, path, ColorImage::from_rgb(size, picture.as_raw())))
     }
 }
 
@@ -295,6 +270,7 @@ mod tests {
     use egui::Color32;
 
     use super::*;
+    use crate::app::model::texture::smaller;
 
     fn session(opens: &str) -> Session {
         let mut settings = Settings::default();
@@ -309,8 +285,11 @@ mod tests {
             up_in_world: DVec3::Z,
             view: "#view=1,2&frame=3".to_owned(),
             layout: "{}".to_owned(),
-            look: toml::Table::from_iter([("overlay".to_owned(), "Depth".into())]),
-            kept_views: vec![("the \"door\"".to_owned(), ViewAddress::read("camera=a&frame=3").unwrap())],
+            look: None,
+            kept_views: vec![KeptView {
+                name: "the \"door\"".to_owned(),
+                view: "#camera=a&frame=3".parse().unwrap(),
+            }],
         }
     }
 
@@ -328,9 +307,6 @@ mod tests {
         assert_eq!(read, session("/else/where/capture"));
     }
 
-    const KEPT: &str =
-        "version = 1\nopens = \"a\"\nup = [0, 0, 1]\n[[kept_view]]\nname = \"a\"\nview = \"x\"\n";
-
     #[test]
     fn a_session_beside_its_capture_is_found_where_both_were_moved() {
         let folder = tempfile::tempdir().unwrap();
@@ -347,15 +323,18 @@ mod tests {
 
     #[test]
     fn what_is_no_session_says_where_and_why() {
+        let whole = "version = 1\nopens = \"a\"\nup = [0, 0, 1]\n";
         for (text, words) in [
-            ("version = 1\n", "missing field `opens`"),
-            ("version = 1\nopens = \"a\"\nup = [0, 0, 0]\n", "\"up\" is no direction"),
-            ("version = 2\nopens = \"a\"\nup = [0, 0, 1]\n", "this Overlook reads version 1"),
-            (KEPT, "the view of \"a\" is no address"),
-            ("version = 1\nopens = \"a\"\nfoo = 3\n", "line 3: unknown field `foo`"),
-            ("version = 1\nopens = \"a\"\nup = [0, 0, 1]\nsettings = \"x = 1\"\n", "unknown field `x`"),
+            ("version = 1\n".to_owned(), "missing field `opens`"),
+            (whole.replace("1]", "0]"), "\"up\" is no direction"),
+            (whole.replace("version = 1", "version = 2"), "this Overlook reads version 1"),
+            (format!("{whole}foo = 3\n"), "line 4: unknown field `foo`"),
+            (format!("{whole}settings = \"x = 1\"\n"), "unknown field `x`"),
+            (format!("{whole}[look]\noverlay = \"Depth\"\n"), "missing field"),
+            (format!("{whole}[look]\noverlay = \"Fog\"\n"), "unknown variant"),
+            (format!("{whole}[[kept_view]]\nname = \"a\"\nview = \"x\"\n"), "is no address"),
         ] {
-            let error = Session::from_text(text, Path::new("s.overlook")).unwrap_err().to_string();
+            let error = Session::from_text(&text, Path::new("s.overlook")).unwrap_err().to_string();
             assert!(error.starts_with("s.overlook") && error.contains(words), "{error}");
         }
     }
@@ -363,11 +342,14 @@ mod tests {
     #[test]
     fn a_recent_picture_is_small_and_comes_back_from_text() {
         let pixels = (0..300 * 200).map(|i| Color32::from_gray((i % 300) as u8)).collect();
-        let recent = RecentPicture::new(Path::new("/a"), &ColorImage::new([300, 200], pixels));
+        let small = smaller(&ColorImage::new([300, 200], pixels));
+        let ctx = egui::Context::default();
+        let recent = RecentPicture::new(&ctx, "/a".into(), small);
         assert_eq!(recent.image.size, [100, 66]);
         assert_eq!(recent.image.pixels[1], Color32::from_gray(4), "the mean of columns 3 to 5");
         let text = recent.to_text().unwrap();
-        assert_eq!(RecentPicture::from_text("/a".into(), &text), Some(recent));
-        assert_eq!(RecentPicture::from_text("/a".into(), "no picture"), None);
+        let read = |text: &str| RecentPicture::from_text(&ctx, "/a".into(), text).map(|recent| recent.image);
+        assert_eq!(read(&text), Some(recent.image));
+        assert_eq!(read("no picture"), None);
     }
 }

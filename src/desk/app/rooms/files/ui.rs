@@ -1,12 +1,8 @@
 //! The introduction of a first run, what was open lately, and a field for typing a path.
 
 use std::path::Path;
-use std::sync::Arc;
 
-use egui::{
-    Align, Color32, Frame, Id, Label, Layout, Margin, Modal, Panel, Pos2, Rect, RichText, Sense, Stroke,
-    StrokeKind, TextureHandle, Ui, pos2, vec2,
-};
+use egui::{Align, Frame, Id, Label, Layout, Margin, Modal, Panel, RichText, Sense, Ui, vec2};
 use egui_material_icons::icons::ICON_FOLDER_OPEN;
 
 use crate::app::model::command::{FileCommand, Opening, SourceCommand, WindowCommand};
@@ -15,10 +11,9 @@ use crate::app::model::purpose::{AskedPath, Purpose, ShareCommand, Table, TypedP
 use crate::app::model::texture::RECENT_SIDES;
 use crate::app::model::window::{DockView, Workspace};
 use crate::app::model::{self, Command, Commands, SceneSource, State};
-use crate::app::rooms::files::state::RecentPicture;
 use crate::app::rooms::source::SourceLook;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{note, text_field_ui, weak};
+use crate::app::widgets::{note, small_picture, text_field_ui, weak};
 use crate::ways_out::{Action, Way};
 use overlook_engine::plural::counted;
 
@@ -40,13 +35,10 @@ const HINTS: [(&str, &str); 3] = [
     ),
 ];
 
-/// Room for the button that dismisses the introduction, points.
+/// Room for the button that dismisses the introduction, and for those beside what is said of the room, points.
 const DISMISS_WIDTH: f32 = 76.0;
-
-/// Room for the buttons beside what is said of the room, points.
 const ROOM_BUTTONS_WIDTH: f32 = 270.0;
 
-/// What somebody can do about the room, in its band.
 const ROOM_HELP: &str =
     "Drag the picture to look around, turn the wheel to come nearer; space stops the time.";
 
@@ -70,11 +62,8 @@ fn room_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
                 ui.add(Label::new(RichText::new(sentence).strong()).wrap());
                 ui.add(Label::new(RichText::new(ROOM_HELP).color(tokens.text)).wrap());
             });
-            if ui
-                .button("See why")
-                .on_hover_text("What was dropped, by which rule, and which camera shows it instead.")
-                .clicked()
-            {
+            let help = "What was dropped, by which rule, and which camera shows it instead.";
+            if ui.button("See why").on_hover_text(help).clicked() {
                 let look = SourceLook { overlay: Overlay::WhoWon, ..state.source };
                 commands.push(Command::Source(SourceCommand::Look(look)));
                 commands.push(Command::Window(WindowCommand::OpenView(DockView::Report)));
@@ -162,31 +151,28 @@ pub(crate) fn closing_ui(ctx: &egui::Context, state: &State, commands: &mut Comm
 
 /// What can be saved before closing, and the answers; `closes` is false where something else is to be opened.
 fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut Commands) {
-    let inspector = &state.inspector;
-    let has_place =
-        state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Path(_)));
-    if has_place && state.unsaved_work().is_some() && ui.button("Save session…").clicked() {
-        commands.push(Command::File(FileCommand::Stay));
-        commands.push(Command::File(FileCommand::AskPath(Purpose::SaveSession)));
-    }
-    let saves = closes && state.is_unsaved() && !inspector.closing.writing;
-    if saves && ui.button("Share the store…").accessible_name("Save before closing").clicked() {
-        commands.push(Command::File(FileCommand::Stay));
-        commands.push(Command::Share(ShareCommand::Open(Some(Way::Store))));
-    }
-    let path = &state.doc.path;
-    if path.pictures() > 0 && !path.is_saved() && ui.button("Save camera path…").clicked() {
-        commands.push(Command::File(FileCommand::Stay));
-        commands.push(Command::File(FileCommand::AskPath(Purpose::SavePath)));
-    }
-    for (table, is_lost) in [
-        (Table::Sweep, !state.doc.charts.sweep.is_empty()),
-        (Table::StressTest, !state.doc.charts.stress.is_empty()),
+    let (path, charts) = (&state.doc.path, &state.doc.charts);
+    let ask = |purpose| Command::File(FileCommand::AskPath(purpose));
+    let save_table = |is_lost: bool, table: Table| {
+        (is_lost, format!("Save {}…", table.name()), ask(Purpose::SaveTable(table)))
+    };
+    for (is_offered, name, command) in [
+        (
+            state.opened_path().is_some() && state.unsaved_work().is_some(),
+            "Save session…".to_owned(),
+            ask(Purpose::SaveSession),
+        ),
+        (
+            closes && state.is_unsaved() && !state.inspector.closing.writing,
+            "Share the store…".to_owned(),
+            Command::Share(ShareCommand::Open(Some(Way::Store))),
+        ),
+        (path.pictures() > 0 && !path.is_saved(), "Save camera path…".to_owned(), ask(Purpose::SavePath)),
+        save_table(!charts.sweep.is_empty(), Table::Sweep),
+        save_table(!charts.stress.is_empty(), Table::StressTest),
     ] {
-        let name = format!("Save {}…", table.name());
-        if is_lost && ui.button(name).clicked() {
-            commands.push(Command::File(FileCommand::Stay));
-            commands.push(Command::File(FileCommand::AskPath(Purpose::SaveTable(table))));
+        if is_offered && ui.button(name).clicked() {
+            commands.extend([Command::File(FileCommand::Stay), command]);
         }
     }
     let discard = ui.button(if closes { "Discard and close" } else { "Discard and open" });
@@ -203,11 +189,9 @@ fn closing_buttons_ui(ui: &mut Ui, state: &State, closes: bool, commands: &mut C
     }
 }
 
-/// Recent files that are offered while nothing is open, and how many of them lie side by side.
+/// Recent files that are offered while nothing is open, how many of them lie side by side, and room for a name, points.
 const SHOWN: usize = 6;
 const PER_ROW: usize = 3;
-
-/// Room for a name, points.
 const NAME_HEIGHT: f32 = 20.0;
 
 /// Recent files, each opened by a click.
@@ -234,51 +218,25 @@ pub(crate) fn recent_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
 }
 
 fn card_ui(ui: &mut Ui, path: &Path, state: &State, commands: &mut Commands) {
-    let tokens = Tokens::in_ui(ui);
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let [width, height] = RECENT_SIDES.map(|side| side as f32);
     let (area, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
-    ui.painter().rect_filled(area, 4.0, tokens.surface);
-    if let Some(picture) = state.recent_pictures.iter().find(|picture| picture.path == path) {
-        picture_ui(ui, area, picture);
-    } else {
-        let icon = ICON_FOLDER_OPEN.rich_text().size(28.0).color(tokens.text_weak);
+    let picture = state.recent_pictures.iter().find(|picture| picture.path == path);
+    small_picture(ui, &response, picture.map(|picture| &picture.texture));
+    if picture.is_none() {
+        let icon = ICON_FOLDER_OPEN.rich_text().size(28.0).color(Tokens::in_ui(ui).text_weak);
         ui.put(area, Label::new(icon).selectable(false));
-    }
-    if response.hovered() || response.has_focus() {
-        ui.painter().rect_stroke(area, 4.0, Stroke::new(1.5, tokens.accent), StrokeKind::Inside);
     }
     let label =
         ui.add_sized([width, NAME_HEIGHT], Label::new(name.as_ref()).truncate().sense(Sense::click()));
     let is_label_clicked = label.on_hover_text(path.display().to_string()).clicked();
     response.widget_info(|| {
-        let has_picture = state.recent_pictures.iter().any(|picture| picture.path == path);
-        let kind = if has_picture { "Open recent" } else { "Open recent without picture" };
+        let kind = if picture.is_some() { "Open recent" } else { "Open recent without picture" };
         egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{kind} {name}"))
     });
     if response.on_hover_text(path.display().to_string()).clicked() || is_label_clicked {
         commands.push(Command::File(FileCommand::Open(Opening::Path(path.to_path_buf()))));
     }
-}
-
-fn picture_ui(ui: &Ui, area: Rect, picture: &RecentPicture) {
-    let id = Id::unique("recent picture").with(&picture.path);
-    let of = Arc::as_ptr(&picture.image) as usize;
-    let known = ui.data(|data| data.get_temp::<(usize, TextureHandle)>(id)).filter(|(known, _)| *known == of);
-    let texture = known.map_or_else(
-        || {
-            let image = picture.image.clone();
-            let texture = ui.ctx().load_texture("recent picture", image, egui::TextureOptions::LINEAR);
-            ui.data_mut(|data| data.insert_temp(id, (of, texture.clone())));
-            texture
-        },
-        |(_, texture)| texture,
-    );
-    let size = picture.image.size.map(|side| side as f32);
-    let scale = (area.width() / size[0]).min(area.height() / size[1]);
-    let shown = Rect::from_center_size(area.center(), vec2(size[0], size[1]) * scale);
-    let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
-    ui.painter().image(texture.id(), shown, whole, Color32::WHITE);
 }
 
 /// The question before something is replaced.
@@ -321,11 +279,9 @@ pub(crate) fn path_field_ui(ctx: &egui::Context, state: &State, commands: &mut C
         if let Some(reason) = &typed.reason {
             weak(ui, reason);
         }
-        let base = Path::new(typed.text.trim());
-        if !base.is_absolute()
-            && !typed.text.trim().starts_with('~')
-            && let Some(folder) = &typed.folder
-        {
+        let place = typed.text.trim();
+        let is_named_alone = Path::new(place).is_relative() && !place.starts_with('~');
+        if let Some(folder) = typed.folder.as_ref().filter(|_| is_named_alone) {
             note(ui, format!("In {}", folder.display()));
         }
         ui.add_space(space::MEDIUM);

@@ -9,14 +9,13 @@ use image::{ImageFormat, RgbaImage};
 
 use crate::address;
 use crate::app::model::look::Display;
-use crate::app::model::purpose::{AskedPath, Destination, Purpose};
+use crate::app::model::purpose::{AskedPath, Purpose};
 use crate::app::model::{Content, Message, OpenScene, SceneSource, median_depth};
 use crate::app::rooms::compare::state::PictureFolder;
-use crate::app::rooms::files::SessionLook;
 use crate::app::rooms::files::state::Session;
 use crate::app::work::requests::OpenRequest;
 use crate::ways_out::figure::FIGURE;
-use overlook_engine::capture::transforms::{self, PathFile, open_pictures, picture_name};
+use overlook_engine::capture::transforms::{self, open_pictures, picture_name};
 use overlook_engine::capture::{Capture, Source, TruthView};
 use overlook_engine::demo::Demo;
 use overlook_engine::error::{Error, Result};
@@ -32,9 +31,6 @@ use overlook_lab::chart::Chart;
 /// The store that the window opens by itself: `assets/room/make.sh` made it.
 static ROOM: &[u8] = include_bytes!("../../../../../assets/room/room.ovl");
 
-/// What errors about it name.
-const ROOM_NAME: &str = "the built-in room";
-
 /// Opens a built-in scene, a capture or a store.
 pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
     let opened = match request {
@@ -46,7 +42,7 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
             open_capture(SceneSource::Demo(spec.scene), capture, truth, job)
         }
         OpenRequest::Room => {
-            let store = Store::over(Path::new(ROOM_NAME), Box::new(ROOM.to_vec()))?;
+            let store = Store::over(Path::new("the built-in room"), Box::new(ROOM.to_vec()))?;
             let playback = Playback::new(store, store::playback::DEFAULT_CACHE_BYTES);
             OpenScene::of_store(SceneSource::Room, playback, job)
         }
@@ -67,7 +63,6 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
 /// Opens what a session names, with its settings.
 fn open_session(path: &Path, job: &Job) -> Result<OpenScene> {
     let session = Session::from_text(&whole_file::short_text(path)?, path)?;
-    SessionLook::read(&session.look, path)?;
     let scene = open_path(session.opens.clone(), &session.settings.capture, &[], job)?;
     Ok(OpenScene { session: Some(session), ..scene })
 }
@@ -128,18 +123,14 @@ pub(crate) fn save_picture(
     if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
         return write_exr(path, rendered);
     }
-    let width = rendered.color.width();
+    let [width, height] = picture.size;
     let pixels = picture.pixels.iter().enumerate();
     let bytes = pixels.flat_map(|(index, pixel)| {
         let is_left_out = display.leaves_out(rendered, (index % width, index / width));
         if is_left_out { [0; 4] } else { [pixel.r(), pixel.g(), pixel.b(), u8::MAX] }
     });
-    write_rgba(path, picture.size, bytes.collect())
-}
-
-/// Writes a PNG. The file takes its name once it is whole.
-fn write_rgba(path: &Path, [width, height]: [usize; 2], bytes: Vec<u8>) -> Result<()> {
-    let png = RgbaImage::from_raw(width as u32, height as u32, bytes).filter(|_| width * height > 0);
+    let png = RgbaImage::from_raw(width as u32, height as u32, bytes.collect());
+    let png = png.filter(|_| width * height > 0);
     let png = png.ok_or_else(|| {
         Error::invalid(path.display(), "the picture has no size; show it once, then try again")
     })?;
@@ -151,29 +142,16 @@ fn write_rgba(path: &Path, [width, height]: [usize; 2], bytes: Vec<u8>) -> Resul
     })
 }
 
-/// Bytes of a camera path at most: some 100,000 pictures.
-const MOST_OF_A_PATH: u64 = 64 << 20;
-
-/// Reads a camera path.
-pub(crate) fn read_path(path: &Path) -> Result<PathFile> {
-    let length = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
-    if length > MOST_OF_A_PATH {
-        return Err(Error::invalid(path.display(), format!("{length} bytes are too many for a camera path")));
-    }
-    transforms::open_path(path, false)
-}
-
-/// Whether a destination exists, so that writing would replace it.
-pub(crate) fn check(destination: Destination) -> Message {
-    let Destination { path, purpose } = &destination;
+/// Whether a path exists, so that writing would replace what is there.
+pub(crate) fn check(purpose: Purpose, path: PathBuf) -> Message {
     let taken = if !purpose.writes() {
-        address::of_path(path).0.exists()
+        address::of_path(&path).0.exists()
     } else if purpose.asked().endings.is_empty() {
-        std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some())
+        std::fs::read_dir(&path).is_ok_and(|mut entries| entries.next().is_some())
     } else {
         path.is_file()
     };
-    Message::DestinationChecked { destination, taken }
+    Message::PathChecked { purpose, path, taken }
 }
 
 /// The path that is chosen in the system's dialog; `None` if the dialog is closed.
@@ -215,25 +193,17 @@ pub(crate) fn open_rendered(folder: &Path, scene: &OpenScene) -> Result<PictureF
     };
     let of_cameras: Vec<TruthView> = capture.cameras.iter().flat_map(of_camera).collect();
     let find = |views: &[TruthView]| open_pictures(folder, views, capture.frames_are_ranked());
-    let found = if with_truth.is_empty() { None } else { Some(find(&with_truth)) };
-    let (of_views, trouble) = match found {
-        Some(Ok(pictures)) => (Some(Arc::new(pictures)), None),
-        Some(Err(error)) => (None, Some(error)),
-        None => (None, None),
+    let of_views = (!with_truth.is_empty()).then(|| find(&with_truth));
+    let (of_views, of_cameras) = match (of_views, find(&of_cameras)) {
+        (Some(Err(error)), Err(_)) | (None, Err(error)) => return Err(error),
+        (of_views, of_cameras) => (of_views.and_then(Result::ok), of_cameras.ok()),
     };
-    let of_cameras = match find(&of_cameras) {
-        Ok(pictures) => Some(Arc::new(pictures)),
-        Err(error) if of_views.is_none() => return Err(trouble.unwrap_or(error)),
-        Err(_) => None,
-    };
+    let [of_views, of_cameras] = [of_views, of_cameras].map(|pictures| pictures.map(Arc::new));
     let id = NEXT_ID.fetch_add(1, Ordering::Relaxed);
     Ok(PictureFolder { id, of_views, of_cameras, frame_count: capture.frame_count() })
 }
 
 /// A chart as an image.
-///
-/// # Errors
-/// Those of drawing.
 pub(crate) fn chart_image(chart: &Chart) -> Result<ColorImage> {
     let pixels = image::load_from_memory(&chart.png()?)
         .map_err(|error| Error::invalid("figure", error.to_string()))?;
@@ -245,10 +215,7 @@ pub(crate) fn color_image(pixels: &RgbaImage) -> ColorImage {
     ColorImage::from_rgba_unmultiplied(size, pixels)
 }
 
-/// A chart in the format that the ending of its path names.
-///
-/// # Errors
-/// `Invalid` for another ending, and those of drawing.
+/// A chart in the format that the ending of its path names; `Invalid` for another ending.
 pub(crate) fn chart_bytes(path: &Path, chart: &Chart) -> Result<Vec<u8>> {
     let is = |known: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(known));
     match FIGURE.endings.iter().position(|known| is(known)) {

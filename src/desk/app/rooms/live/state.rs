@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use egui::TextureHandle;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::address::ViewAddress;
 use crate::app::model::camera::OrbitCamera;
@@ -173,9 +174,12 @@ impl ViewMotion {
 }
 
 /// A view that is kept.
-#[derive(Clone, Debug, PartialEq)]
+#[serde_with::serde_as]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct KeptView {
     pub name: String,
+    #[serde_as(as = "serde_with::DisplayFromStr")]
     pub view: ViewAddress,
 }
 

@@ -10,9 +10,9 @@ use crate::app::model::purpose::ShareCommand;
 use crate::app::model::window::{DockView, NoticeKind, and_others};
 use crate::app::model::{self, Content, Message, Texture, WorkKind};
 use crate::app::rooms::files::paths::{no_figure, no_scene};
-use crate::app::rooms::files::work::save_picture;
+use crate::app::rooms::files::work::{chart_image, color_image, save_picture};
 use crate::app::rooms::share::PathExport;
-use crate::app::rooms::share::state::{Exported, ShareOutcome, SharePreview, SharePreviewKey, ShownPreview};
+use crate::app::rooms::share::state::{Exported, ShareOutcome, SharePreviewKey, ShownPreview};
 use crate::app::rooms::share::work::pictures::{self, of_comparison, of_live_view, of_source_picture};
 use crate::app::rooms::share::work::{write_path, write_view};
 use crate::app::work::FileWork;
@@ -36,8 +36,9 @@ use overlook_engine::store::file::{Extras, Provenance, write_with};
 use overlook_engine::store::playback::Playback;
 use overlook_lab::chart::Figure;
 
-/// What draws a figure.
+/// What draws a figure, and the stage of that.
 type Drawing = Box<dyn FnOnce(&Job) -> Result<Figure> + Send>;
+const DRAWING: &str = "Drawing the figure";
 
 /// What is left of most files once writing them was stopped.
 const NOTHING: &str = "Nothing was";
@@ -75,8 +76,7 @@ impl OverlookApp {
             ShareCommand::CopyPicture(FigureOf::Live) => self.copy_picture(),
             ShareCommand::CopyPicture(of) => self.copy_view_as(of, false),
             ShareCommand::Stop => {
-                let is_export = |busy: &model::Busy| busy.work == WorkKind::Export;
-                if self.state.busy.iter().any(is_export) {
+                if self.state.busy.iter().any(|busy| busy.work == WorkKind::Export) {
                     self.workers.export.cancel();
                 } else {
                     self.workers.file.cancel();
@@ -87,11 +87,14 @@ impl OverlookApp {
     }
 
     /// Takes in what the live view looks like within the budget of what is shared.
-    pub(crate) fn share_previewed(&mut self, key: SharePreviewKey, preview: Option<SharePreview>) {
+    pub(crate) fn share_previewed(
+        &mut self,
+        key: SharePreviewKey,
+        preview: Option<(Arc<egui::ColorImage>, Option<f64>)>,
+    ) {
         let shown = &mut self.state.share.preview;
-        let replaced = shown.take().and_then(|shown| shown.picture);
-        let picture = preview.map(|SharePreview { image, decibels }| {
-            let replaced = replaced.map(|(texture, _)| texture);
+        let replaced = shown.take().and_then(|shown| shown.picture).map(|(texture, _)| texture);
+        let picture = preview.map(|(image, decibels)| {
             (Texture::send(&self.ctx, "preview", TextureOptions::LINEAR, &image, replaced), decibels)
         });
         *shown = Some(ShownPreview { key, picture });
@@ -188,6 +191,7 @@ impl OverlookApp {
         let scene = self.state.doc.scene.as_ref();
         let disk = scene.and_then(|scene| scene.playback().cloned());
         self.export(path, disk, NOTHING, move |path, job| {
+            job.start(DRAWING, 0);
             let bytes = pictures::write(path, &draw(job)?)?;
             let millimeters = model::significant(options.width_mm());
             Ok((format!("a figure of {millimeters} mm, {}", model::bytes(bytes)), None))
@@ -284,22 +288,24 @@ impl OverlookApp {
         };
         let stopped = ("Export stopped", "Nothing was copied.".to_owned());
         self.workers.export.submit(FileWork::new(stopped, move |job| {
+            job.start(DRAWING, 0);
             let figure = draw(job)?;
-            let width_mm = is_figure.then(|| options.width_mm());
-            let image = if is_figure { pictures::image(&figure)? } else { pictures::picture(&figure) };
-            Ok(Message::FigureDrawn { image, width_mm })
+            let (image, name, width_mm) = if is_figure {
+                (chart_image(&figure.chart()?)?, "figure", Some(options.width_mm()))
+            } else {
+                (color_image(&figure.picture), "picture", None)
+            };
+            Ok(Message::Drawn { image, name: name.to_owned(), width_mm })
         }));
     }
 
-    /// Takes in a figure that was drawn to be copied, so many millimeters wide, or a picture alone.
-    pub(crate) fn figure_drawn(&mut self, image: egui::ColorImage, width_mm: Option<f64>) {
+    /// Copies what was drawn for the clipboard.
+    pub(crate) fn drawn(&mut self, image: egui::ColorImage, name: &str, width_mm: Option<f64>) {
         let [columns, rows] = image.size;
         self.ctx.copy_image(image);
-        let size = format!("{columns}×{rows} pixels");
-        let text = match width_mm.map(model::significant) {
-            Some(width) => format!("The figure is on the clipboard: {size}, {width} mm wide."),
-            None => format!("The picture is on the clipboard: {size}."),
-        };
+        let width = width_mm.map(|width| format!(", {} mm wide", model::significant(width)));
+        let width = width.unwrap_or_default();
+        let text = format!("The {name} is on the clipboard: {columns}×{rows} pixels{width}.");
         self.state.notify(NoticeKind::Done, "Copied", text);
     }
 
@@ -315,18 +321,14 @@ impl OverlookApp {
             }
             FigureOf::Source => {
                 let key = state.doc.source_shown.as_ref()?.key.clone();
-                Box::new(move |_| of_source_picture(&scene.cameras, || scene.source(), &key, &how))
+                Box::new(move |_| of_source_picture(&scene.cameras, scene.source(), &key, &how))
             }
             FigureOf::Compared => {
                 let compared = state.compared_figure()?;
                 Box::new(move |_| Ok(of_comparison(&compared, &how)))
             }
         };
-        let started = move |job: &Job| {
-            job.start("Drawing the figure", 0);
-            draw(job)
-        };
-        Some((options, Box::new(started)))
+        Some((options, draw))
     }
 
     /// The camera path as a page follows it: a pose for each frame.
@@ -344,13 +346,10 @@ impl OverlookApp {
     /// Takes in that something is written; the dialog says it where it is open.
     pub(crate) fn written(&mut self, title: &str, path: &Path, said: &str, text: String) {
         let share = &mut self.state.share;
-        let is_shared = share.asked.as_deref() == Some(path);
-        if is_shared {
-            share.asked = None;
-            share.outcome =
-                Some(ShareOutcome::Written { said: model::sentence(said), path: path.to_path_buf() });
-        }
-        if is_shared && self.state.share.is_open {
+        let is_shared = share.asked.take_if(|asked| asked == path).is_some();
+        if is_shared && share.is_open {
+            let said = model::sentence(said);
+            share.outcome = Some(ShareOutcome::Written { said, path: path.to_path_buf() });
             self.state.inspector.log(NoticeKind::Done, format!("{title}: {text}"));
         } else {
             self.state.notify_of_file(title, text, path);
@@ -391,8 +390,9 @@ impl OverlookApp {
         let is_writing = matches!(work, WorkKind::File | WorkKind::Export) && share.asked.take().is_some();
         let is_said = share.is_open && (is_writing || work == WorkKind::ShowInFolder);
         if is_said {
-            share.outcome = Some(ShareOutcome::Failed(format!("{}: {error}", work.failure())));
-            self.state.inspector.log(NoticeKind::Error, format!("{}: {error}", work.failure()));
+            let why = format!("{}: {error}", work.failure());
+            share.outcome = Some(ShareOutcome::Failed(why.clone()));
+            self.state.inspector.log(NoticeKind::Error, why);
         }
         is_said
     }

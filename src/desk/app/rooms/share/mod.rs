@@ -14,6 +14,7 @@ use crate::app::model::scene::OpenScene;
 use crate::app::model::state::State;
 use crate::app::rooms::compare::state::{CompareKey, CompareVantage};
 use crate::app::rooms::share::state::SharePreviewKey;
+use crate::app::work::worker::Wanted;
 use crate::ways_out::figure::FigureOf;
 use crate::ways_out::page::{EMPTY_PAGE, PAGE_BY_STORE};
 use crate::ways_out::{Needs, Options, Scope, Size, Way};
@@ -29,11 +30,6 @@ pub(crate) struct FilmLook {
     /// What the live view shows; its samples and its viewpoint are those of each picture in turn.
     pub key: LiveKey,
     /// What is asked how samples agree at each frame, where colors tell of that.
-    pub agreement: Option<AgreementSource>,
-}
-
-/// What samples are asked of how they agree with other cameras.
-pub(crate) struct AgreementSource {
     pub scene: Arc<OpenScene>,
     pub scan: Option<Arc<PreparedScan>>,
     pub settings: Settings,
@@ -72,11 +68,11 @@ const STILL_SECONDS: f32 = 4.0;
 impl State {
     /// How many pictures a film of what is chosen in the dialog has.
     pub(crate) fn film_pictures(&self) -> usize {
-        let along_path = self.doc.path.pictures();
-        if along_path > 0 || self.share.options.compares.is_none() || self.doc.scene.is_none() {
-            return along_path;
+        let is_compared = self.share.options.compares.is_some() && self.doc.scene.is_some();
+        match self.doc.path.pictures() {
+            0 if is_compared => self.filmed_frames().len(),
+            along_path => along_path,
         }
-        self.filmed_frames().len()
     }
 
     /// The frames of a film from one viewpoint: those that are played; a single one for some seconds.
@@ -134,18 +130,15 @@ impl State {
     /// How pictures along the camera path look, where not plain.
     pub(crate) fn filmed_look(&self) -> Option<FilmLook> {
         self.film_look()?;
-        let key = self.live_key(self.export_size(), self.dark)?;
-        let scene = self.doc.scene.as_ref()?;
-        let is_agreement = self.live.color_by == ColorBy::Agreement && scene.capture().is_some();
-        let agreement = is_agreement.then(|| AgreementSource {
-            scene: scene.clone(),
-            scan: self.doc.scan.clone(),
-            settings: self.settings.clone(),
-        });
-        let (color_by, holes) = (self.live.color_by, self.live.holes);
-        let key =
-            LiveKey { color_by, holes, cameras: self.live.cameras.clone(), display: self.display, ..key };
-        Some(FilmLook { key, agreement })
+        let key = LiveKey {
+            color_by: self.live.color_by,
+            holes: self.live.holes,
+            cameras: self.live.cameras.clone(),
+            display: self.display,
+            ..self.live_key(self.export_size(), self.dark)?
+        };
+        let (scene, scan) = (self.doc.scene.clone()?, self.doc.scan.clone());
+        Some(FilmLook { key, scene, scan, settings: self.settings.clone() })
     }
 
     /// The comparison that a film of what is chosen in the dialog shows, if it shows one.
@@ -162,10 +155,10 @@ impl State {
 /// Columns of a preview, pixels.
 const PREVIEW_COLUMNS: u32 = 320;
 
-impl State {
+impl Wanted for SharePreviewKey {
     /// The preview that the dialog shows of the chosen way, where a budget makes it coarser.
-    pub(crate) fn share_preview_key(&self) -> Option<SharePreviewKey> {
-        let (facts, options) = (self.share.facts.as_ref()?, &self.share.options);
+    fn wanted(state: &State) -> Option<Self> {
+        let (facts, options) = (state.share.facts.as_ref()?, &state.share.options);
         let share = match options.way {
             Way::Page => {
                 let most = options.page_at_most()? as f64 - EMPTY_PAGE;
@@ -178,20 +171,22 @@ impl State {
             }
             _ => return None,
         };
-        let [width, height] = self.live.size;
+        let [width, height] = state.live.size;
         let rows = (PREVIEW_COLUMNS * height / width.max(1)).max(1);
-        let camera = self.live_camera([PREVIEW_COLUMNS, rows])?;
-        let ready = self.is_whole_ready() && self.share.is_open && share < 1.0;
-        let samples = self.edited_samples().or(self.whole_samples()).filter(|_| ready)?;
-        Some(SharePreviewKey {
-            scene: self.doc.scene.clone()?,
+        let camera = state.live_camera([PREVIEW_COLUMNS, rows])?;
+        let ready = state.is_whole_ready() && state.share.is_open && share < 1.0;
+        let samples = state.edited_samples().or(state.whole_samples()).filter(|_| ready)?;
+        Some(Self {
+            scene: state.doc.scene.clone()?,
             samples: Same(samples.clone()),
-            vantage: Vantage { camera, frame: self.timeline.frame },
-            settings: self.settings.render.clone(),
+            vantage: Vantage { camera, frame: state.timeline.frame },
+            settings: state.settings.render.clone(),
             share: share.max(0.0),
         })
     }
+}
 
+impl State {
     /// The size of a way out, with the options of the dialog.
     pub(crate) fn share_size(&self, way: Way) -> Size {
         let Some(scene) = &self.doc.scene else { return Size::missing("nothing open") };

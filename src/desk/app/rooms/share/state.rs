@@ -39,7 +39,7 @@ pub(crate) struct ShareDialog {
     pub options: Options,
     /// What the sizes follow from; `None` until it is measured.
     pub facts: Option<Facts>,
-    /// What the budget leaves: the request, the picture if there is one, and its PSNR against that of all samples, dB.
+    /// What the budget leaves.
     pub preview: Option<ShownPreview>,
     /// Where what was asked for last is written, until it is.
     pub asked: Option<PathBuf>,
@@ -83,17 +83,9 @@ pub(crate) struct SharePreviewKey {
     pub share: f64,
 }
 
-/// A picture of what a budget leaves.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SharePreview {
-    pub image: Arc<egui::ColorImage>,
-    /// PSNR beside the picture of all samples, dB.
-    pub decibels: Option<f64>,
-}
-
 /// A preview as the dialog shows it.
 pub(crate) struct ShownPreview {
     pub key: SharePreviewKey,
-    /// Its texture and decibels; `None` where the budget leaves nothing.
+    /// Its texture, and its PSNR beside the picture of all samples, dB; `None` where the budget leaves nothing.
     pub picture: Option<(Texture, Option<f64>)>,
 }

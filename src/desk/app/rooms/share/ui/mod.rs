@@ -2,28 +2,29 @@
 
 mod options;
 
-use egui::{Align, Button, Frame, Id, Label, Layout, Modal, ProgressBar, RichText, Ui, Vec2};
+use egui::{Button, Frame, Id, Label, Modal, ProgressBar, RichText, Ui, Vec2};
 use egui_material_icons::icons::{ICON_CANCEL, ICON_CHECK_CIRCLE, ICON_ERROR, ICON_FOLDER_OPEN};
 
 use crate::app::model::command::FileCommand;
 use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{self, Busy, Command, Commands, State, WorkKind};
 use crate::app::rooms::files::paths::what_is_missing;
-use crate::app::rooms::share::state::ShareOutcome;
+use crate::app::rooms::share::state::{ShareOutcome, SharePreviewKey};
 use crate::app::rooms::share::ui::options::options_ui;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{self, note, waiting, weak};
+use crate::app::work::worker::Wanted;
 use crate::ways_out::{Options, WAYS, WayOut};
 
-/// Width of the dialog and of the list of ways, points.
+/// Width of the dialog, of the list of ways, and of the bar of what is written, points.
 const WIDTH: f32 = 760.0;
 const LIST: f32 = 262.0;
+const BAR: f32 = 260.0;
 
-/// Height of what is beside the list, so that nothing moves when another way is chosen.
+/// Height of what is beside the list, so that nothing moves when another way is chosen; of a way in the list; and of a preview, points.
 const HEIGHT: f32 = 372.0;
-
-/// Height of a way in the list.
 const ROW: f32 = 34.0;
+const PREVIEW: f32 = 108.0;
 
 /// The dialog, while it is open.
 pub(crate) fn share_ui(ctx: &egui::Context, state: &State, commands: &mut Commands) {
@@ -51,19 +52,15 @@ pub(crate) fn share_ui(ctx: &egui::Context, state: &State, commands: &mut Comman
         });
         ui.add_space(space::SMALL);
         ui.separator();
-        footer_ui(ui, commands);
+        if ui.button("Close").accessible_name("Close sharing").clicked() {
+            commands.push(Command::Share(ShareCommand::Close));
+        }
     });
     if options != share.options {
         commands.push(Command::Share(ShareCommand::Change(Box::new(options))));
     }
     // A click beside it is no answer: what is typed next would act on the window.
     if modal.should_close() && !modal.backdrop_response.clicked() {
-        commands.push(Command::Share(ShareCommand::Close));
-    }
-}
-
-fn footer_ui(ui: &mut Ui, commands: &mut Commands) {
-    if ui.button("Close").accessible_name("Close sharing").clicked() {
         commands.push(Command::Share(ShareCommand::Close));
     }
 }
@@ -102,8 +99,8 @@ fn way_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Comm
     });
     preview_ui(ui, state);
     ui.add_space(space::SMALL);
-    let writing = state.share.asked.as_ref().and_then(|_| busy_of(state));
-    if let Some(busy) = writing {
+    let is_writing = |busy: &&Busy| matches!(busy.work, WorkKind::Export | WorkKind::File);
+    if let Some(busy) = state.busy.iter().find(is_writing).filter(|_| state.share.asked.is_some()) {
         progress_ui(ui, busy, commands);
         return;
     }
@@ -114,12 +111,9 @@ fn way_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Comm
     }
 }
 
-/// Height of a preview, points.
-const PREVIEW: f32 = 108.0;
-
 /// What a budget leaves of the view, while it makes it coarser.
 fn preview_ui(ui: &mut Ui, state: &State) {
-    let Some(key) = state.share_preview_key() else { return };
+    let Some(key) = SharePreviewKey::wanted(state) else { return };
     let intrinsics = key.vantage.camera.intrinsics;
     let size = Vec2::new(PREVIEW * intrinsics.width as f32 / intrinsics.height.max(1) as f32, PREVIEW);
     let shown = state.share.preview.as_ref();
@@ -155,15 +149,6 @@ fn preview_ui(ui: &mut Ui, state: &State) {
     });
 }
 
-/// The work that writes what is shared.
-fn busy_of(state: &State) -> Option<&Busy> {
-    let is_writing = |busy: &&Busy| matches!(busy.work, WorkKind::Export | WorkKind::File);
-    state.busy.iter().find(is_writing)
-}
-
-/// Width of the bar of what is written, points.
-const BAR: f32 = 260.0;
-
 fn progress_ui(ui: &mut Ui, busy: &Busy, commands: &mut Commands) {
     let progress = &busy.progress;
     let stage = if progress.stage.is_empty() { "Starting" } else { &progress.stage };
@@ -171,15 +156,13 @@ fn progress_ui(ui: &mut Ui, busy: &Busy, commands: &mut Commands) {
     ui.horizontal(|ui| {
         // As wide before anything is counted, so that *Cancel* does not move away from the pointer.
         let area = Vec2::new(BAR, ui.spacing().interact_size.y);
-        ui.allocate_ui_with_layout(area, Layout::left_to_right(Align::Center), |ui| {
-            ui.set_min_width(BAR);
-            if progress.total > 0 {
-                let bar = ProgressBar::new(progress.fraction()).desired_width(BAR).desired_height(8.0);
-                ui.add(bar.fill(Tokens::in_ui(ui).accent)).accessible_name("Progress of sharing");
-            } else {
-                ui.add(egui::Spinner::new().size(16.0));
-            }
-        });
+        if progress.total > 0 {
+            let bar = ProgressBar::new(progress.fraction()).desired_height(8.0);
+            let bar = ui.add_sized(area, bar.fill(Tokens::in_ui(ui).accent));
+            bar.accessible_name("Progress of sharing");
+        } else {
+            ui.add_sized(area, egui::Spinner::new().size(16.0));
+        }
         let cancel = ui.button((ICON_CANCEL.rich_text(), "Cancel")).accessible_name("Cancel sharing");
         if cancel.clicked() {
             commands.push(Command::Share(ShareCommand::Stop));
@@ -195,22 +178,18 @@ fn make_ui(ui: &mut Ui, state: &State, options: &Options, commands: &mut Command
     let tokens = Tokens::in_ui(ui);
     let (purpose, button) = (Purpose::Share(options.kind()), options.way.row().button);
     let missing = what_is_missing(state, purpose);
-    ui.horizontal(|ui| {
-        ui.add_enabled_ui(missing.is_none(), |ui| {
-            let words = RichText::new(button).color(tokens.on_accent);
-            let make = ui.add(Button::new(words).fill(tokens.accent));
-            let make = make.accessible_name(button);
-            // Enter goes on, as it does in the system's dialogs; a field for the path has the keyboard to itself.
-            if state.typed_path.is_some() {
-                make.surrender_focus();
-            } else if missing.is_none() && ui.memory(|memory| memory.focused().is_none()) {
-                make.request_focus();
-            }
-            if make.clicked() {
-                commands.push(Command::File(FileCommand::AskPath(purpose)));
-            }
-        });
-    });
+    let words = RichText::new(button).color(tokens.on_accent);
+    let make = ui.add_enabled(missing.is_none(), Button::new(words).fill(tokens.accent));
+    let make = make.accessible_name(button);
+    // Enter goes on, as it does in the system's dialogs; a field for the path has the keyboard to itself.
+    if state.typed_path.is_some() {
+        make.surrender_focus();
+    } else if missing.is_none() && ui.memory(|memory| memory.focused().is_none()) {
+        make.request_focus();
+    }
+    if make.clicked() {
+        commands.push(Command::File(FileCommand::AskPath(purpose)));
+    }
     if let Some((_, why)) = missing {
         ui.add(Label::new(RichText::new(why).color(tokens.warning)).wrap());
     }
@@ -226,11 +205,8 @@ fn outcome_ui(ui: &mut Ui, outcome: &ShareOutcome, commands: &mut Commands) {
             });
             let place = RichText::new(path.display().to_string()).small().color(tokens.text_weak);
             ui.add(Label::new(place).truncate().selectable(true)).on_hover_text(path.display().to_string());
-            if ui
-                .button((ICON_FOLDER_OPEN.rich_text(), "Show in folder"))
-                .accessible_name("Show in folder")
-                .clicked()
-            {
+            let show = ui.button((ICON_FOLDER_OPEN.rich_text(), "Show in folder"));
+            if show.accessible_name("Show in folder").clicked() {
                 commands.push(Command::Share(ShareCommand::ShowInFolder(path.clone())));
             }
         }

@@ -6,7 +6,8 @@ pub(crate) mod pictures;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::time::Duration;
 
 use egui::ColorImage;
 use half::f16;
@@ -19,7 +20,7 @@ use crate::app::rooms::files::work::save_picture;
 use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::path::NO_KEYS;
 use crate::app::rooms::share::PathExport;
-use crate::app::rooms::share::state::{ShareKey, SharePreview, SharePreviewKey};
+use crate::app::rooms::share::state::{ShareKey, SharePreviewKey};
 use crate::app::work::develop::developed;
 use crate::app::work::shown_samples::CameraFilter;
 use crate::app::work::worker::Wanted;
@@ -167,7 +168,7 @@ fn stored<'a>(scene: &'a OpenScene, of: &Arc<SampleSet>) -> Option<(&'a Arc<Play
 }
 
 /// A set that has the samples of a frame in memory; `samples` are the outline of a store, or in memory already.
-pub(crate) fn samples_of_frame(
+fn samples_of_frame(
     scene: &OpenScene,
     samples: &Arc<SampleSet>,
     frame: usize,
@@ -207,9 +208,6 @@ fn picture_facts(picture: &LivePicture) -> Result<Option<PictureFacts>> {
 /// How long a program that opens folders is waited for: one that still runs has opened it.
 const OPENED_BY: Duration = Duration::from_secs(4);
 
-/// How often it is checked whether it has ended.
-const POLL_INTERVAL: Duration = Duration::from_millis(20);
-
 /// Opens the folder of a file in the system's file manager.
 ///
 /// # Errors
@@ -228,24 +226,15 @@ pub(crate) fn show_in_folder(path: &Path) -> Result<Message> {
     let mut command = Command::new(program);
     command.arg(folder).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     let mut opener = command.spawn().map_err(|_| none())?;
-    let started = Instant::now();
-    while started.elapsed() < OPENED_BY {
-        match opener.try_wait() {
-            // Windows' explorer gives no meaning to its exit status.
-            Ok(Some(status)) if status.success() || cfg!(windows) => return Ok(Message::FolderShown),
-            Ok(None) => std::thread::sleep(POLL_INTERVAL),
-            _ => return Err(none()),
-        }
-    }
     // Where the file manager itself was started it runs until it is closed; its end is taken note of.
+    let (sender, ended) = sync_channel(1);
     let waiter = std::thread::Builder::new().name("file manager".to_owned());
-    waiter.spawn(move || opener.wait()).map_err(|error| Error::io(folder, error))?;
-    Ok(Message::FolderShown)
-}
-
-impl Wanted for SharePreviewKey {
-    fn wanted(state: &State) -> Option<Self> {
-        state.share_preview_key()
+    waiter.spawn(move || sender.send(opener.wait())).map_err(|error| Error::io(folder, error))?;
+    match ended.recv_timeout(OPENED_BY) {
+        // Windows' explorer gives no meaning to its exit status.
+        Ok(Ok(status)) if status.success() || cfg!(windows) => Ok(Message::FolderShown),
+        Err(RecvTimeoutError::Timeout) => Ok(Message::FolderShown),
+        _ => Err(none()),
     }
 }
 
@@ -269,6 +258,6 @@ pub(crate) fn preview(key: SharePreviewKey, job: &Job) -> Result<Message> {
     let decibels = psnr_db(&shown(&whole), &shown(&within), 0..whole.color.as_slice().len());
     let (width, height) = within.color.size();
     let pixels = within.color.as_slice().iter().map(|color| recorded(color.map(f16::from_f32))).collect();
-    let preview = SharePreview { image: Arc::new(ColorImage::new([width, height], pixels)), decibels };
-    Ok(Message::SharePreviewed { preview: Some(preview), key })
+    let image = Arc::new(ColorImage::new([width, height], pixels));
+    Ok(Message::SharePreviewed { preview: Some((image, decibels)), key })
 }

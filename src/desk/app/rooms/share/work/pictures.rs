@@ -7,11 +7,11 @@ use egui::{Color32, ColorImage};
 use image::RgbaImage;
 
 use crate::app::model::look::Display;
-use crate::app::model::picture::{LiveKey, Overlay, PixelSource, SourceKey};
+use crate::app::model::picture::{ColorBy, LiveKey, Overlay, PixelSource, SourceKey};
 use crate::app::model::{Same, median_depth};
 use crate::app::rooms::compare::state::{CompareKey, ComparisonFigure};
 use crate::app::rooms::compare::work::{self, Comparer};
-use crate::app::rooms::files::work::{chart_bytes, chart_image, color_image};
+use crate::app::rooms::files::work::chart_bytes;
 use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::share::work::figure_meaning::{self, Meaning, of_live, of_source};
 use crate::app::rooms::share::{ComparedFilm, FilmLook};
@@ -35,9 +35,6 @@ use overlook_lab::chart::{ColorBar, Figure, ScaleBar, SideNames};
 const AROUND_MIDDLE: usize = 3;
 
 /// A figure of what one camera recorded at a frame, with an overlay. Verdicts are those of the whole capture by `settings`.
-///
-/// # Errors
-/// Those of reading and of preprocessing; `Cancelled`.
 pub(crate) fn of_camera(
     capture: &Capture,
     [camera, frame]: [usize; 2],
@@ -63,23 +60,20 @@ pub(crate) fn of_camera(
         dark: options.is_dark,
         inspection,
     };
-    of_source_picture(&capture.cameras, || Ok(capture), &key, options)
+    of_source_picture(&capture.cameras, Ok(capture), &key, options)
 }
 
-/// A figure of a source picture; the capture is asked for where nothing was inspected.
-///
-/// # Errors
-/// Those of reading the picture.
-pub(crate) fn of_source_picture<'a>(
+/// A figure of a source picture; the capture is read where nothing was inspected.
+pub(crate) fn of_source_picture(
     cameras: &[Camera],
-    capture: impl Fn() -> Result<&'a Capture>,
+    capture: Result<&Capture>,
     key: &SourceKey,
     options: &FigureOptions,
 ) -> Result<Figure> {
     let key = SourceKey { dark: options.is_dark, ..key.clone() };
     let frame = match &key.inspection {
         Some(inspection) => inspection.cameras[key.camera].frame.clone(),
-        None => capture()?.frame(key.camera, key.frame)?,
+        None => capture?.frame(key.camera, key.frame)?,
     };
     let shown = source_picture(&key, &frame);
     let meaning = of_source(key.overlay, &shown.legend, cameras, key.dark, options.unit);
@@ -88,10 +82,7 @@ pub(crate) fn of_source_picture<'a>(
     Ok(put_together(opaque(&shown.image), meaning, Some(scale), options))
 }
 
-/// A figure of the live view, whose key has the size of the figure.
-///
-/// # Errors
-/// Those of rendering, and `Unsupported` where the picture stays on the graphics card.
+/// A figure of the live view, whose key has the size of the figure; `Unsupported` where the picture stays on the graphics card.
 pub(crate) fn of_live_view(key: &LiveKey, options: &FigureOptions, job: &Job) -> Result<Figure> {
     let mut renderer = Renderer::new();
     let painted = live_image::paint(&mut renderer, &mut CameraFilter::default(), key, job)?;
@@ -145,19 +136,6 @@ pub(crate) fn write(path: &Path, figure: &Figure) -> Result<u64> {
     let bytes = chart_bytes(path, &figure.chart()?)?;
     whole_file::write_all(path, &bytes)?;
     Ok(bytes.len() as u64)
-}
-
-/// A figure as an image.
-///
-/// # Errors
-/// Those of drawing.
-pub(crate) fn image(figure: &Figure) -> Result<ColorImage> {
-    chart_image(&figure.chart()?)
-}
-
-/// The picture of a figure alone.
-pub(crate) fn picture(figure: &Figure) -> ColorImage {
-    color_image(&figure.picture)
 }
 
 fn put_together(
@@ -301,14 +279,14 @@ fn inspection_at(
     frame: usize,
     known: Option<Arc<FrameInspection>>,
 ) -> Result<Option<Arc<FrameInspection>>> {
-    let Some(source) = &look.agreement else { return Ok(None) };
+    let capture = look.scene.capture().filter(|_| look.key.color_by == ColorBy::Agreement);
+    let Some(capture) = capture else { return Ok(None) };
     if known.as_ref().is_some_and(|known| known.frame == frame) {
         return Ok(known);
     }
     // Its progress is none of the film.
     let own = Job::new();
-    let capture = source.scene.source()?;
-    inspect_frame(capture, source.scan.as_deref(), &source.settings, frame, &own).map(Arc::new).map(Some)
+    inspect_frame(capture, look.scan.as_deref(), &look.settings, frame, &own).map(Arc::new).map(Some)
 }
 
 /// A picture as the live view displays it, with alpha 0 where a transparent background shows.
@@ -357,13 +335,8 @@ mod tests {
                 assert!(written.starts_with(begins) && written.len() as u64 == bytes, "{name} {ending}");
             }
         }
-        assert!(
-            write(
-                &folder.path().join("figure.jpg"),
-                &of_camera(&capture, [0, 0], Overlay::Color, &settings, &options, &Job::new()).unwrap()
-            )
-            .is_err()
-        );
+        let figure = of_camera(&capture, [0, 0], Overlay::Color, &settings, &options, &Job::new()).unwrap();
+        assert!(write(&folder.path().join("figure.jpg"), &figure).is_err());
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "nothing else is left");
     }
 }
