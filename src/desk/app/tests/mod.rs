@@ -349,7 +349,7 @@ fn pictures_are_named_after_what_they_show_until_those_that_were_chosen_are_ther
     let mut app = start(2, 2);
     app.dock.open(DockView::Compare);
     wait(&mut app, "the comparison", |app| app.state.doc.compared.is_some());
-    let sides = |app: &OverlookApp| app.state.doc.compared.as_ref().map(|compared| compared.sides);
+    let sides = |app: &OverlookApp| app.state.doc.compared.as_ref().map(|compared| compared.choice.sides);
     let before = app.state.inspector.compare.clone();
     let mut look = before.clone();
     look.choice.sides = [CompareSide::Point, CompareSide::Kept];

@@ -6,11 +6,10 @@ use crate::app::control::OverlookApp;
 use crate::app::model::command::CompareCommand;
 use crate::app::model::window::{DockView, NoticeKind};
 use crate::app::rooms::compare::state::{
-    CompareChoice, CompareKey, CompareSide, CompareVantage, PictureDifference, PictureFolder, ShownComparison,
+    CompareKey, CompareSide, CompareVantage, PictureDifference, PictureFolder, ShownComparison,
 };
 
 impl OverlookApp {
-    /// Carries out what concerns the comparison of two pictures.
     pub(crate) fn apply_to_comparison(&mut self, command: CompareCommand) {
         let state = &mut self.state;
         match command {
@@ -27,18 +26,13 @@ impl OverlookApp {
 
     pub(crate) fn compared(&mut self, key: &CompareKey, outcome: Result<PictureDifference, String>) {
         let state = &mut self.state;
-        match outcome {
-            Ok(comparison) => {
-                let [left, right] = comparison.images.clone();
-                let textures = [left, right, comparison.difference.clone()]
-                    .map(|image| self.ctx.load_texture("comparison", image, TextureOptions::NEAREST));
-                let CompareChoice { sides, from, .. } = key.choice;
-                let names = sides.map(|side| state.side_name(side));
-                state.doc.compared = Some(ShownComparison { sides, names, from, comparison, textures });
-                state.doc.compare_error = None;
-            }
-            Err(trouble) => state.doc.compare_error = Some(trouble),
-        }
+        state.doc.compare_error = outcome.as_ref().err().cloned();
+        let Ok(comparison) = outcome else { return };
+        let [left, right] = comparison.images.clone();
+        let textures = [left, right, comparison.difference.clone()]
+            .map(|image| self.ctx.load_texture("comparison", image, TextureOptions::NEAREST));
+        let names = key.choice.sides.map(|side| state.side_name(side));
+        state.doc.compared = Some(ShownComparison { choice: key.choice, names, comparison, textures });
     }
 
     /// Shows pictures of another program beside ours, from the first viewpoint that they show. A folder that is opened again replaces

@@ -47,17 +47,19 @@ impl State {
             dark: self.dark,
         })
     }
-}
 
-impl State {
+    /// Every side, with its name and what it is: those that are always there, and the pictures of other programs.
+    fn compare_sides(&self) -> Vec<(CompareSide, String, String)> {
+        let always = CompareSide::ALL.map(|(side, name, help)| (side, name.to_owned(), help.to_owned()));
+        let opened = self.doc.pictures.iter();
+        let opened = opened.map(|folder| (CompareSide::Pictures(folder.id), folder.name(), folder.words()));
+        always.into_iter().chain(opened).collect()
+    }
+
     /// Name of a side of a comparison.
     pub(crate) fn side_name(&self, side: CompareSide) -> String {
-        if let CompareSide::Pictures(id) = side {
-            let folder = self.doc.pictures.iter().find(|folder| folder.id == id);
-            return folder.map(PictureFolder::name).unwrap_or_default();
-        }
-        let known = CompareSide::ALL.iter().find(|(of, ..)| *of == side);
-        known.map(|(_, name, _)| (*name).to_owned()).unwrap_or_default()
+        let known = self.compare_sides().into_iter().find(|(of, ..)| *of == side);
+        known.map(|(_, name, _)| name).unwrap_or_default()
     }
 
     /// Closes pictures of other programs; sides that showed them show what they did at first.

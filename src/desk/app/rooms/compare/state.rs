@@ -103,9 +103,7 @@ impl CompareSide {
             "All pixels as others show them: one picture with several samples along each ray (Shade et al., 1998).",
         ),
     ];
-}
 
-impl CompareSide {
     /// The method of others that the side shows.
     pub(crate) fn rival(self) -> Option<Rival> {
         match self {
@@ -202,7 +200,6 @@ pub(crate) const CLASSES: [(ErrorClass, &str); 3] =
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CompareChoice {
     pub sides: [CompareSide; 2],
-    /// From where.
     pub from: CompareVantage,
     pub measure: CompareMeasure,
     /// The difference at the map's upper end, in the unit of the measure; `None` to fit it.
@@ -213,7 +210,6 @@ pub(crate) struct CompareChoice {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CompareLook {
     pub choice: CompareChoice,
-    /// How the two are shown.
     pub mode: CompareMode,
     /// Where the line is, as a share of the width.
     pub wipe: f32,
@@ -244,13 +240,8 @@ impl Default for CompareLook {
         let sides = [CompareSide::Everything, CompareSide::Kept];
         let (from, measure) = (CompareVantage::Live, CompareMeasure::Steps);
         let choice = CompareChoice { sides, from, measure, range: None };
-        Self {
-            choice,
-            mode: CompareMode::Wipe,
-            wipe: 0.5,
-            part: PictureZoom::default(),
-            in_view: CompareInView::default(),
-        }
+        let (part, in_view) = (PictureZoom::default(), CompareInView::default());
+        Self { choice, mode: CompareMode::Wipe, wipe: 0.5, part, in_view }
     }
 }
 
@@ -277,12 +268,9 @@ pub(crate) struct CompareKey {
 
 /// A comparison that is shown.
 pub(crate) struct ShownComparison {
-    /// Whose pictures these are.
-    pub sides: [CompareSide; 2],
-    /// What these are called.
+    pub choice: CompareChoice,
+    /// What its sides are called.
     pub names: [String; 2],
-    /// From where.
-    pub from: CompareVantage,
     pub comparison: PictureDifference,
     /// Left, right and difference on the graphics card.
     pub textures: [egui::TextureHandle; 3],
@@ -297,9 +285,8 @@ pub(crate) struct PictureDifference {
     pub sides: [DisplayColors; 2],
     /// The two as shown: holes filled, or in a color of their own.
     pub images: [Arc<ColorImage>; 2],
-    /// Where and how much they differ.
+    /// The map of where and how much they differ.
     pub difference: Arc<ColorImage>,
-    /// What the map shows.
     pub measure: CompareMeasure,
     /// How far every pixel is apart, in the unit of the measure; `None` where a side has no sample.
     pub apart: Grid<Option<f32>>,
@@ -338,7 +325,6 @@ pub(crate) struct ComparisonFigure {
     pub names: [String; 2],
     pub mode: CompareMode,
     pub in_view: CompareInView,
-    /// What the map of the difference shows.
     pub measure: CompareMeasure,
     /// The difference at the map's upper end, in the unit of the measure.
     pub range: f32,
@@ -429,12 +415,12 @@ impl PictureFolder {
     /// Its path, and how its pictures were found.
     pub(crate) fn words(&self) -> String {
         let parts = [(&self.of_views, "viewpoints"), (&self.of_cameras, "frames of cameras")];
-        let parts = parts.into_iter().filter_map(|(pictures, of)| {
+        let words = |(pictures, of): (&Option<Arc<OtherPictures>>, &str)| {
             let pictures = pictures.as_ref()?;
             let (count, all, by) = (pictures.count(), pictures.pictures.len(), pictures.matched_by);
             Some(format!("{count} of {all} {of}, matched by {by}"))
-        });
-        let parts: Vec<String> = parts.collect();
+        };
+        let parts: Vec<String> = parts.into_iter().filter_map(words).collect();
         let folder = self.known().next().map(|pictures| pictures.folder.display().to_string());
         format!("{}: pictures of {}.", folder.unwrap_or_default(), parts.join("; and of "))
     }
@@ -446,41 +432,29 @@ impl PictureFolder {
             CompareVantage::Truth(index) => (self.of_views.as_ref(), index),
             CompareVantage::HoldOut(camera) => (self.of_cameras.as_ref(), camera * self.frame_count + frame),
         };
-        let nothing = || {
-            let sources = [
-                ("viewpoints with true pictures", &self.of_views),
-                ("cameras that are held out", &self.of_cameras),
-            ];
-            let known: Vec<&str> =
-                sources.into_iter().filter_map(|(name, pictures)| pictures.as_ref().map(|_| name)).collect();
-            format!(
-                "{} has pictures of {} alone: choose one in the last list above.",
-                self.name(),
-                known.join(" and ")
-            )
+        let Some(picture) = pictures.and_then(|pictures| pictures.pictures.get(index)) else {
+            let views = self.of_views.iter().map(|_| "viewpoints with true pictures");
+            let known = views.chain(self.of_cameras.iter().map(|_| "cameras that are held out"));
+            let known = known.collect::<Vec<_>>().join(" and ");
+            let name = self.name();
+            return Err(format!("{name} has pictures of {known} alone: choose one in the last list above."));
         };
-        let picture = pictures.and_then(|pictures| pictures.pictures.get(index)).ok_or_else(nothing)?;
         picture.clone().map_err(|reason| format!("{} {reason}.", self.name()))
     }
 
     /// The first viewpoint that it has a picture of, at a frame where it is a camera's.
     pub(crate) fn first(&self, frame: usize) -> Option<CompareVantage> {
-        let has = |pictures: &Option<Arc<OtherPictures>>, index: usize| {
-            pictures.as_ref().is_some_and(|pictures| pictures.pictures.get(index).is_some_and(Result::is_ok))
+        let known = |pictures: &Option<Arc<OtherPictures>>| -> Vec<usize> {
+            let all = pictures.iter().flat_map(|it| it.pictures.iter().enumerate());
+            all.filter(|(_, picture)| picture.is_ok()).map(|(index, _)| index).collect()
         };
-        let length =
-            |pictures: &Option<Arc<OtherPictures>>| pictures.as_ref().map_or(0, |it| it.pictures.len());
-        let view = (0..length(&self.of_views)).find(|index| has(&self.of_views, *index));
-        let cameras = 0..length(&self.of_cameras) / self.frame_count.max(1);
-        let camera = || {
-            let mut cameras = cameras.clone();
-            let here = cameras.find(|camera| has(&self.of_cameras, camera * self.frame_count + frame));
-            here.or_else(|| {
-                let any = (0..length(&self.of_cameras)).find(|index| has(&self.of_cameras, *index))?;
-                Some(any / self.frame_count.max(1))
-            })
-        };
-        view.map(CompareVantage::Truth).or_else(|| camera().map(CompareVantage::HoldOut))
+        if let Some(view) = known(&self.of_views).first() {
+            return Some(CompareVantage::Truth(*view));
+        }
+        let frames = self.frame_count.max(1);
+        let of_cameras = known(&self.of_cameras);
+        let here = of_cameras.iter().find(|index| *index % frames == frame);
+        here.or(of_cameras.first()).map(|index| CompareVantage::HoldOut(index / frames))
     }
 }
 

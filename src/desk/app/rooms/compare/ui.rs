@@ -3,14 +3,15 @@
 use egui::{Align, Align2, Key, Layout, Painter, Rect, Response, Sense, Stroke, Ui, Vec2, vec2};
 use egui_material_icons::icons::{ICON_ADD_PHOTO_ALTERNATE, ICON_COMPARE, ICON_LOCK, ICON_LOCK_OPEN};
 
+use crate::app::colormap::opaque;
 use crate::app::model::command::{CompareCommand, FileCommand};
 use crate::app::model::picture::PictureZoom;
 use crate::app::model::purpose::{FigureOf, Purpose};
 use crate::app::model::{Command, Commands, Content, State};
 use crate::app::picture_menu::picture_menu_ui;
 use crate::app::rooms::compare::state::{
-    CLASSES, CompareInView, CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage,
-    PictureDifference, ShownComparison,
+    CLASSES, CompareInView, CompareLook, CompareMeasure, CompareMode, CompareVantage, PictureDifference,
+    ShownComparison,
 };
 use crate::app::rooms::compare::{about_pixel, figures};
 use crate::app::rooms::source::ui::legend;
@@ -35,14 +36,13 @@ pub(crate) fn compare_view_ui(ui: &mut Ui, state: &State, commands: &mut Command
     header_ui(ui, state, &mut look, commands);
     let area = ui.available_rect_before_wrap();
     let canvas = Rect::from_min_max(area.min, area.max - vec2(0.0, FOOTER));
-    if let Some(trouble) = &state.doc.compare_error {
+    let pointed = if let Some(trouble) = &state.doc.compare_error {
         ui.scope_builder(egui::UiBuilder::new().max_rect(canvas), |ui| {
             empty_ui(ui, ICON_COMPARE, "These two cannot be compared here", trouble, |_| {});
         });
-    }
-    let pointed = match &state.doc.compare_error {
-        Some(_) => None,
-        None => canvas_ui(ui, canvas, state, &mut look, commands),
+        None
+    } else {
+        canvas_ui(ui, canvas, state, &mut look, commands)
     };
     ui.allocate_rect(canvas, Sense::hover());
     footer_ui(ui, state, &mut look, pointed);
@@ -57,48 +57,34 @@ fn header_ui(ui: &mut Ui, state: &State, look: &mut CompareLook, commands: &mut 
         // What is left beside the button, with a gap after each list.
         let gap = ui.spacing().item_spacing.x;
         let width = ((ui.available_width() - PICTURES_WIDTH) / 3.0 - gap).clamp(SHORTEST_LIST, LIST_WIDTH);
-        // A list as wide as its text would push the others out of the view.
-        let list = |ui: &mut Ui, contents: &mut dyn FnMut(&mut Ui)| {
-            let layout = Layout::left_to_right(Align::Center);
-            ui.allocate_ui_with_layout(vec2(width, space::CONTROL), layout, contents);
-        };
-        for (index, name) in [(0, "Left side"), (1, "Right side")] {
-            list(ui, &mut |ui| {
-                if let Some(side) = choice_ui(ui, name, look.choice.sides[index], &sides(state), width) {
-                    look.choice.sides[index] = side;
-                }
-            });
+        let sides = state.compare_sides();
+        for (side, name) in look.choice.sides.iter_mut().zip(["Left side", "Right side"]) {
+            list_ui(ui, name, side, &sides, width);
         }
-        list(ui, &mut |ui| {
-            if let Some(place) = choice_ui(ui, "From", look.choice.from, &places(state), width) {
-                look.choice.from = place;
-            }
-        });
+        list_ui(ui, "From", &mut look.choice.from, &places(state), width);
         pictures_menu_ui(ui, state, commands);
     });
-    if let Some(mode) = segments_ui(ui, "Compare by", look.mode, CompareMode::ALL) {
-        look.mode = mode;
-    }
-    measure_ui(ui, look);
-}
-
-/// What a difference is measured in, where one is shown.
-fn measure_ui(ui: &mut Ui, look: &mut CompareLook) {
-    if look.mode != CompareMode::Difference {
-        return;
-    }
-    if let Some(measure) = segments_ui(ui, "Difference in", look.choice.measure, CompareMeasure::ALL) {
+    look.mode = segments_ui(ui, "Compare by", look.mode, CompareMode::ALL).unwrap_or(look.mode);
+    if look.mode == CompareMode::Difference
+        && let Some(measure) = segments_ui(ui, "Difference in", look.choice.measure, CompareMeasure::ALL)
+    {
         // A locked range is one of the other unit.
         (look.choice.measure, look.choice.range) = (measure, None);
     }
 }
 
-/// Every side: what is always there, and the pictures of other programs.
-fn sides(state: &State) -> Vec<(CompareSide, String, String)> {
-    let always = CompareSide::ALL.map(|(side, name, help)| (side, name.to_owned(), help.to_owned()));
-    let opened = state.doc.pictures.iter();
-    let opened = opened.map(|folder| (CompareSide::Pictures(folder.id), folder.name(), folder.words()));
-    always.into_iter().chain(opened).collect()
+/// A list of such a width: one as wide as its text would push the others out of the view.
+fn list_ui<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    chosen: &mut T,
+    choices: &[(T, String, String)],
+    width: f32,
+) {
+    let layout = Layout::left_to_right(Align::Center);
+    ui.allocate_ui_with_layout(vec2(width, space::CONTROL), layout, |ui| {
+        *chosen = choice_ui(ui, name, *chosen, choices, width).unwrap_or(*chosen);
+    });
 }
 
 /// Opens and closes pictures of other programs.
@@ -164,25 +150,15 @@ fn canvas_ui(
     let parts = parts(look, flipped);
     let areas: Vec<Rect> = parts.iter().map(|(_, shares)| area_of(look.mode, canvas, *shares)).collect();
     draw(&painter, canvas, compared, look, &parts);
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let plate = |at: egui::Pos2, align: Align2, words: &str| {
-        let galley = painter.layout_no_wrap(words.to_owned(), font.clone(), tokens.on_scrim);
-        let place = align.anchor_size(at, galley.size() + vec2(10.0, 4.0));
-        painter.rect_filled(place, 4.0, tokens.scrim);
-        painter.galley(place.min + vec2(5.0, 2.0), galley, tokens.on_scrim);
-    };
     if !is_of(compared, look) {
         painter.rect_filled(canvas, f32::from(space::RADIUS), tokens.scrim);
         waiting(ui, canvas, 28.0);
     }
-    let (left, right) = (canvas.left_top() + vec2(6.0, 6.0), canvas.right_top() + vec2(-6.0, 6.0));
-    for (index, (texture, _)) in parts.iter().enumerate() {
+    let corners = canvas.shrink(6.0);
+    let corners = [(corners.left_top(), Align2::LEFT_TOP), (corners.right_top(), Align2::RIGHT_TOP)];
+    for ((texture, _), (at, align)) in parts.iter().zip(corners) {
         let words = compared.names.get(*texture).map_or("Difference", String::as_str);
-        if index == 0 {
-            plate(left, Align2::LEFT_TOP, words);
-        } else {
-            plate(right, Align2::RIGHT_TOP, words);
-        }
+        widgets::plate(&painter, at, align, words, tokens);
     }
     // Side by side, the pointer is over one of the two.
     let pointer = response.hover_pos();
@@ -197,7 +173,7 @@ fn canvas_ui(
 
 /// Whether the pictures are those of the choice; if not, they are being computed.
 fn is_of(compared: &ShownComparison, look: &CompareLook) -> bool {
-    (compared.sides, compared.from) == (look.choice.sides, look.choice.from)
+    (compared.choice.sides, compared.choice.from) == (look.choice.sides, look.choice.from)
 }
 
 /// What is drawn: which of left, right and difference, and the shares of the width between which.
@@ -280,9 +256,8 @@ fn move_ui(ui: &Ui, response: &Response, canvas: Rect, picture: Rect, look: &mut
     {
         look.wipe = ((pointer.x - canvas.left()) / canvas.width()).clamp(0.0, 1.0);
     }
-    let Some(pointer) = response.hover_pos() else { return };
     let scroll = scrolled(ui);
-    if scroll != 0.0 {
+    if let Some(pointer) = response.hover_pos().filter(|_| scroll != 0.0) {
         look.part = look.part.scrolled(scroll, (pointer - picture.min) / picture.size());
     }
 }
@@ -328,8 +303,7 @@ fn bar_ui(ui: &mut Ui, comparison: &PictureDifference) {
     let (measure, [low, high]) = (comparison.measure, comparison.measure.ends(comparison.range));
     if measure == CompareMeasure::Class {
         for (class, name) in CLASSES {
-            let [red, green, blue] = class.color();
-            legend::swatch_ui(ui, egui::Color32::from_rgb(red, green, blue), name);
+            legend::swatch_ui(ui, opaque(class.color()), name);
         }
         ui.label(egui::RichText::new(format!("full color: {high}")).small());
     } else {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
-use crate::app::colormap::{diverging, sequential};
+use crate::app::colormap::{diverging, opaque, sequential};
 use crate::app::model::{Content, OpenScene};
 use crate::app::rooms::compare::state::{
     CompareKey, CompareMeasure, CompareVantage, DisplayColors, PictureDifference,
@@ -15,7 +15,6 @@ use overlook_engine::color::{linear_from_srgb, srgb8_from_linear, steps_from_lin
 use overlook_engine::error::{Error, Result};
 use overlook_engine::grid::Grid;
 use overlook_engine::render::{NO_IMAGE, Picture, Vantage};
-use overlook_engine::settings::AlignSettings;
 use overlook_lab::metrics::{self, ClassMap, DEFAULT_PIXELS_PER_DEGREE, ErrorClass, flip, ssim};
 use overlook_lab::truth::ViewCorrections;
 
@@ -75,50 +74,42 @@ pub(crate) fn between(
         DisplayedSide { shown: shown_right, known: right },
     ] = sides;
     if left.size() != right.size() {
-        let ([a, b], [c, d]) = (<[usize; 2]>::from(left.size()), <[usize; 2]>::from(right.size()));
-        let what = format!(
+        let ((a, b), (c, d)) = (left.size(), right.size());
+        return Err(refused(format!(
             "One side has {a}×{b} pixels and the other {c}×{d}: they cannot be laid over each other."
-        );
-        return Err(Error::invalid("comparison", what));
+        )));
     }
     let tokens = Tokens::of(dark);
-    let image = |side: &DisplayColors| {
-        let colors = side.map(|pixel| pixel.map_or(tokens.hole, |[r, g, b]| Color32::from_rgb(r, g, b)));
-        Arc::new(ColorImage::new([side.width(), side.height()], colors.into_vec()))
-    };
-    let images = [image(&shown_left), image(&shown_right)];
     let apart = apart(&left, &right, measure);
     let range = range.unwrap_or_else(|| fitted(&apart, measure));
     let color = |apart: f32| match measure {
         CompareMeasure::Brightness => diverging(apart / range),
         _ => sequential(apart / range),
     };
-    // A gray, which no color of the maps is: the holes' own purple is near their lower end.
-    let difference = map_of(&apart, tokens.raised, color);
-    let mean = mean_of(&apart);
-    let (psnr_db, ssim) = (psnr_db(&left, &right), similarity(&left, &right));
-    let one_sided = one_sided(&left, &right);
-    let sides = [left, right];
-    let by_class = None;
     Ok(PictureDifference {
-        sides,
-        images,
-        difference,
+        images: [shown_left, shown_right].map(|shown| image_of(&shown, tokens.hole, opaque)),
+        // A gray, which no color of the maps is: the holes' own purple is near their lower end.
+        difference: image_of(&apart, tokens.raised, color),
         measure,
-        apart,
         range,
-        mean,
-        psnr_db,
-        ssim,
+        mean: mean_of(&apart),
+        apart,
+        psnr_db: psnr_db(&left, &right),
+        ssim: similarity(&left, &right),
         flicker_steps: None,
-        by_class,
-        one_sided,
+        by_class: None,
+        one_sided: one_sided(&left, &right),
+        sides: [left, right],
     })
 }
 
-/// A map of the difference of pixels; unknown differences have a color of their own.
-fn map_of(apart: &Grid<Option<f32>>, unknown: Color32, color: impl Fn(f32) -> Color32) -> Arc<ColorImage> {
-    let map = apart.map(|apart| apart.map_or(unknown, &color));
+/// Pixels as an image, unknown ones in a color of their own.
+fn image_of<T: Copy>(
+    pixels: &Grid<Option<T>>,
+    unknown: Color32,
+    color: impl Fn(T) -> Color32,
+) -> Arc<ColorImage> {
+    let map = pixels.map(|pixel| pixel.map_or(unknown, &color));
     Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()))
 }
 
@@ -140,7 +131,7 @@ pub(crate) fn flicker(
     let compared = between(now, CompareMeasure::Steps, None, dark)?;
     let [left, right] = &compared.sides;
     if [&before_left, &before_right].iter().any(|side| side.size() != left.size()) {
-        return Err(Error::invalid("comparison", "The pictures of the frame before have another size."));
+        return Err(refused("The pictures of the frame before have another size."));
     }
     let (mut squares, mut count) = (0.0, 0_u64);
     let apart = Grid::from_fn(left.width(), left.height(), |x, y| {
@@ -155,16 +146,10 @@ pub(crate) fn flicker(
         change.into_iter().reduce(f32::max)
     });
     let range = range.unwrap_or_else(|| fitted(&apart, measure));
-    let difference = map_of(&apart, Tokens::of(dark).raised, |apart| sequential(apart / range));
+    let difference = image_of(&apart, Tokens::of(dark).raised, |apart| sequential(apart / range));
     let flicker_steps = (count > 0).then(|| (squares / count as f64).sqrt());
     let mean = mean_of(&apart);
     Ok(PictureDifference { difference, measure, apart, range, mean, flicker_steps, ..compared })
-}
-
-/// The color of a class of pixels on the map of a difference.
-fn class_color(class: ErrorClass) -> Color32 {
-    let [r, g, b] = class.color();
-    Color32::from_rgb(r, g, b)
 }
 
 /// Colors the map of a comparison by the class of each pixel, and computes the share of each class. `Invalid` if sizes differ.
@@ -174,22 +159,20 @@ pub(crate) fn by_class(
     dark: bool,
 ) -> Result<PictureDifference> {
     if classes.size() != compared.apart.size() {
-        return Err(Error::invalid("comparison", "The truth has another size than the pictures."));
+        return Err(refused("The truth has another size than the pictures."));
     }
     let raised = Tokens::of(dark).raised;
     let mut colors = Vec::with_capacity(classes.len());
     for (apart, class) in compared.apart.as_slice().iter().zip(classes.as_slice()) {
         let strength = apart.map_or(0.0, |apart| (apart / compared.range).clamp(0.0, 1.0).sqrt());
-        let color = class.map_or(raised, |class| Color32::BLACK.lerp_to_gamma(class_color(class), strength));
-        colors.push(color);
+        let of_class = |class: ErrorClass| Color32::BLACK.lerp_to_gamma(opaque(class.color()), strength);
+        colors.push(class.map_or(raised, of_class));
     }
     let difference = Arc::new(ColorImage::new([classes.width(), classes.height()], colors));
     let mut squares = [0.0; 3];
-    let pixels = compared.sides[0].as_slice().iter().zip(compared.sides[1].as_slice());
-    for ((left, right), class) in pixels.zip(classes.as_slice()) {
-        if let (Some(left), Some(right), Some(class)) = (left, right, class) {
-            squares[*class as usize] +=
-                (0..3).map(|c| f64::from(left[c].abs_diff(right[c])).powi(2)).sum::<f64>();
+    for (pair, class) in pairs(&compared.sides[0], &compared.sides[1]).zip(classes.as_slice()) {
+        if let ((Some(left), Some(right)), Some(class)) = (pair, class) {
+            squares[*class as usize] += squared(left, right);
         }
     }
     let all: f64 = squares.iter().sum();
@@ -197,11 +180,30 @@ pub(crate) fn by_class(
     Ok(PictureDifference { difference, by_class, ..compared })
 }
 
+/// Each pixel of both sides.
+fn pairs<'a>(
+    left: &'a DisplayColors,
+    right: &'a DisplayColors,
+) -> impl Iterator<Item = (Option<[u8; 3]>, Option<[u8; 3]>)> + 'a {
+    left.as_slice().iter().copied().zip(right.as_slice().iter().copied())
+}
+
+/// Sum of the squared differences of the channels of two colors.
+fn squared(left: [u8; 3], right: [u8; 3]) -> f64 {
+    (0..3).map(|c| f64::from(left[c].abs_diff(right[c])).powi(2)).sum()
+}
+
+/// A side with the colors of the other where it has none, from 0 to 1 a channel: what one side alone shows differs by nothing.
+fn completed<T>(own: &DisplayColors, other: &DisplayColors, of: impl Fn([f32; 3]) -> T) -> Grid<T> {
+    let colors = pairs(own, other).map(|(own, other)| own.or(other).unwrap_or_default());
+    let values = colors.map(|color| of(color.map(|step| f32::from(step) / 255.0)));
+    Grid::from_vec(own.width(), own.height(), values.collect())
+}
+
 /// How far each pixel of the right is from the left.
 fn apart(left: &DisplayColors, right: &DisplayColors, measure: CompareMeasure) -> Grid<Option<f32>> {
     let both = |of: &dyn Fn([u8; 3], [u8; 3]) -> f32| {
-        let pairs = left.as_slice().iter().zip(right.as_slice());
-        let values = pairs.map(|(a, b)| Some(of((*a)?, (*b)?)));
+        let values = pairs(left, right).map(|(a, b)| Some(of(a?, b?)));
         Grid::from_vec(left.width(), left.height(), values.collect())
     };
     match measure {
@@ -210,17 +212,10 @@ fn apart(left: &DisplayColors, right: &DisplayColors, measure: CompareMeasure) -
         }
         CompareMeasure::Brightness => both(&|a, b| luma(b) - luma(a)),
         CompareMeasure::Flip => {
-            // A pixel of one side alone has no difference: its neighbors are filtered as if the other side showed the same.
-            let linear = |own: &DisplayColors, other: &DisplayColors| {
-                let pixels = own.as_slice().iter().zip(other.as_slice());
-                let colors = pixels.map(|(own, other)| {
-                    own.or(*other).unwrap_or_default().map(|step| linear_from_srgb(f32::from(step) / 255.0))
-                });
-                Grid::from_vec(own.width(), own.height(), colors.collect())
-            };
+            let linear = |own, other| completed(own, other, |color| color.map(linear_from_srgb));
             let map = flip(&linear(right, left), &linear(left, right), DEFAULT_PIXELS_PER_DEGREE);
-            let known = left.as_slice().iter().zip(right.as_slice()).zip(map.as_slice());
-            let values = known.map(|((a, b), flip)| (a.is_some() && b.is_some()).then_some(*flip));
+            let known = pairs(left, right).zip(map.as_slice());
+            let values = known.map(|((a, b), flip)| a.and(b).map(|_| *flip));
             Grid::from_vec(left.width(), left.height(), values.collect())
         }
     }
@@ -242,32 +237,22 @@ fn fitted(apart: &Grid<Option<f32>>, measure: CompareMeasure) -> f32 {
 
 fn psnr_db(left: &DisplayColors, right: &DisplayColors) -> f64 {
     let (mut squares, mut count) = (0.0, 0_u64);
-    for (a, b) in left.as_slice().iter().zip(right.as_slice()) {
-        if let (Some(a), Some(b)) = (a, b) {
-            squares += (0..3).map(|c| f64::from(a[c].abs_diff(b[c])).powi(2)).sum::<f64>();
-            count += 3;
-        }
+    for (a, b) in pairs(left, right).filter_map(|(a, b)| a.zip(b)) {
+        squares += squared(a, b);
+        count += 3;
     }
     10.0 * (255.0 * 255.0 * count.max(1) as f64 / squares).log10()
 }
 
 /// Structural similarity of luma over pixels with a sample on both sides; elsewhere the sides count as equal.
 fn similarity(left: &DisplayColors, right: &DisplayColors) -> f64 {
-    let of = |own: &DisplayColors, other: &DisplayColors| {
-        let pixels = own.as_slice().iter().zip(other.as_slice());
-        let values = pixels.map(|(own, other)| {
-            let encoded = own.or(*other).unwrap_or_default().map(|step| f32::from(step) / 255.0);
-            metrics::luma(&encoded)
-        });
-        Grid::from_vec(own.width(), own.height(), values.collect())
-    };
+    let of = |own, other| completed(own, other, |encoded| metrics::luma(&encoded));
     let counts = |x: usize, y: usize| left[(x, y)].is_some() && right[(x, y)].is_some();
     ssim(&of(left, right), &of(right, left), counts)
 }
 
 fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
-    let pairs = left.as_slice().iter().zip(right.as_slice());
-    let lonely = pairs.filter(|(a, b)| a.is_some() != b.is_some()).count();
+    let lonely = pairs(left, right).filter(|(a, b)| a.is_some() != b.is_some()).count();
     lonely as f64 / left.len().max(1) as f64
 }
 
@@ -275,7 +260,6 @@ fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
 pub(crate) struct Viewpoint {
     pub(crate) from: CompareVantage,
     pub(crate) vantage: Vantage,
-    /// What was recorded there, where that is known.
     pub(crate) truth: Option<Arc<Frame>>,
     /// The recorded view, where its exposure may be another than the capture's.
     view: Option<TruthView>,
@@ -291,29 +275,24 @@ impl Viewpoint {
             }
             CompareVantage::HoldOut(camera) => {
                 let capture = corrected_capture(key)?;
-                let there = capture
-                    .cameras
-                    .get(camera)
-                    .ok_or_else(|| Error::invalid("comparison", "there is no such camera"))?;
+                let there = capture.cameras.get(camera).ok_or_else(|| refused("there is no such camera"))?;
                 let vantage = Vantage { camera: there.clone(), frame };
                 Ok(Self { from, vantage, truth: Some(capture.frame(camera, frame)?), view: None })
             }
             CompareVantage::Truth(index) => {
                 let capture = capture_of(&key.scene)?;
                 let views = views_with_truth(&key.scene)?;
-                let view = views
-                    .get(index)
-                    .ok_or_else(|| Error::invalid("comparison", "there is no such viewpoint"))?;
-                let mut view = TruthView::clone(view);
+                let view = *views.get(index).ok_or_else(|| refused("there is no such viewpoint"))?;
+                let mut view = view.clone();
                 if let Some(alignment) = key.scan.as_ref().and_then(|scan| scan.alignment()) {
                     ViewCorrections::of(alignment).correct(std::slice::from_mut(&mut view));
                 }
                 let frame = capture.frame_index(view.frame_number).ok_or_else(|| {
                     Error::invalid(&view.file_path, format!("there is no frame {}", view.frame_number))
                 })?;
-                let load = view.truth.as_ref().map(|load| load()).transpose()?;
+                let truth = view.truth.as_ref().map(|load| load()).transpose()?.map(Arc::new);
                 let vantage = Vantage { camera: view.camera.clone(), frame };
-                Ok(Self { from, vantage, truth: load.map(Arc::new), view: Some(view) })
+                Ok(Self { from, vantage, truth, view: Some(view) })
             }
         }
     }
@@ -321,18 +300,16 @@ impl Viewpoint {
     /// This viewpoint at the frame before, or at the last earlier frame with truth; `Invalid` at the first.
     pub(crate) fn before(&self, key: &CompareKey) -> Result<Self> {
         let first = || {
-            Error::invalid(
-                "comparison",
+            refused(
                 "Flicker is between two frames, and there is none before this one: go to a later frame or viewpoint.",
             )
         };
         if let CompareVantage::Truth(index) = self.from {
             let views = views_with_truth(&key.scene)?;
             let here = views.get(index).ok_or_else(first)?;
-            let earlier = views
-                .iter()
-                .enumerate()
-                .filter(|(_, view)| view.camera == here.camera && view.frame_number < here.frame_number);
+            let is_earlier =
+                |view: &TruthView| view.camera == here.camera && view.frame_number < here.frame_number;
+            let earlier = views.iter().enumerate().filter(|(_, view)| is_earlier(view));
             let (index, _) = earlier.max_by_key(|(_, view)| view.frame_number).ok_or_else(first)?;
             return Self::of(key, CompareVantage::Truth(index), 0);
         }
@@ -360,14 +337,18 @@ impl Viewpoint {
 
 fn views_with_truth(scene: &OpenScene) -> Result<Vec<&TruthView>> {
     let Content::Capture { truth, .. } = &scene.content else {
-        return Err(Error::invalid("comparison", "a store has no viewpoints with true pictures"));
+        return Err(refused("a store has no viewpoints with true pictures"));
     };
     Ok(truth.iter().filter(|view| view.truth.is_some()).collect())
 }
 
+/// Why two sides cannot be compared.
+pub(crate) fn refused(reason: impl Into<String>) -> Error {
+    Error::invalid("comparison", reason)
+}
+
 pub(crate) fn unknown_truth() -> Error {
-    Error::invalid(
-        "comparison",
+    refused(
         "The truth is known only at viewpoints with a true picture and at cameras that are held out: choose one in the last list above.",
     )
 }
@@ -387,23 +368,14 @@ pub(crate) fn cameras_left(key: &CompareKey) -> Result<Capture> {
 }
 
 pub(crate) fn capture_of(scene: &OpenScene) -> Result<&Capture> {
-    scene.capture().ok_or_else(|| {
-        Error::invalid(
-            "comparison",
-            "A store holds no source frames to compare with: open the capture it was made from.",
-        )
-    })
+    let stored = "A store holds no source frames to compare with: open the capture it was made from.";
+    scene.capture().ok_or_else(|| refused(stored))
 }
 
 /// The capture as it is shown: with corrected cameras, once the corrections are known.
 pub(crate) fn corrected_capture(key: &CompareKey) -> Result<&Capture> {
     let recorded = capture_of(&key.scene)?;
     Ok(key.scan.as_ref().map_or(recorded, |scan| scan.capture()))
-}
-
-/// What [`corrected_capture`] was corrected by.
-pub(crate) fn corrected_by(key: &CompareKey) -> Option<AlignSettings> {
-    key.scan.as_ref().map(|scan| scan.align_settings().clone())
 }
 
 #[cfg(test)]
@@ -497,7 +469,7 @@ mod tests {
         let told = by_class(compared, &Grid::from_vec(4, 1, classes.to_vec()), true).unwrap();
         let [unseen, edge, inner] = told.by_class.unwrap();
         assert!((unseen - 0.2).abs() < 1e-9 && (edge - 0.8).abs() < 1e-9 && inner == 0.0);
-        assert_eq!(told.difference.pixels[1], class_color(ErrorClass::Edge));
+        assert_eq!(told.difference.pixels[1], opaque(ErrorClass::Edge.color()));
         assert_eq!(told.difference.pixels[2], Color32::BLACK);
         let other = Grid::filled(2, 2, None);
         assert!(by_class(told, &other, true).is_err());

@@ -15,8 +15,7 @@ use crate::app::rooms::compare::state::{
     CompareKey, CompareMeasure, CompareSide, CompareVantage, ComparisonFigure, PictureDifference, ShownSides,
 };
 use crate::app::rooms::compare::work::difference::{
-    DisplayedSide, Viewpoint, cameras_left, capture_of, corrected_by, corrected_capture, left_out,
-    unknown_truth,
+    DisplayedSide, Viewpoint, cameras_left, capture_of, corrected_capture, left_out, refused, unknown_truth,
 };
 use crate::app::work::worker::Wanted;
 use overlook_engine::error::{Error, Result};
@@ -35,8 +34,8 @@ impl Wanted for Box<CompareKey> {
         let mut key = state.compare_key().filter(|_| state.shows(DockView::Compare))?;
         let sides = key.choice.sides;
         // What no side shows asks for nothing.
-        for (nth, side) in [(1, CompareSide::A), (2, CompareSide::B), (3, CompareSide::Before)] {
-            if !sides.contains(&side) {
+        for nth in 1..OF_SETTINGS.len() {
+            if !sides.contains(&OF_SETTINGS[nth]) {
                 key.settings[nth] = key.settings[0].clone();
             }
         }
@@ -47,6 +46,10 @@ impl Wanted for Box<CompareKey> {
         Some(Box::new(key))
     }
 }
+
+/// The sides that the settings of a key are of, in their order.
+const OF_SETTINGS: [CompareSide; 4] =
+    [CompareSide::Kept, CompareSide::A, CompareSide::B, CompareSide::Before];
 
 /// Samples and models made for comparisons: the last few are kept.
 pub(crate) struct Comparer {
@@ -66,23 +69,14 @@ enum Made {
     Rival(Arc<dyn RivalModel>),
 }
 
-/// How it is made.
-#[derive(PartialEq)]
-enum MadeBy {
-    /// Pruned by these settings, and whether it was known what is the same over all frames: by a scan that serves them.
-    Pruning {
-        method: Settings,
-        with_scan: bool,
-    },
-    Rival(Rival),
-}
-
-/// What it was made from.
+/// What it was made from, and how.
 #[derive(PartialEq)]
 struct MadeOf {
     scene: u64,
     frame: usize,
-    by: MadeBy,
+    /// The settings that it was pruned by, and whether it was known what is the same over all frames: by a scan that serves them.
+    pruned_by: Option<(Settings, bool)>,
+    rival: Option<Rival>,
     left_out: Option<usize>,
     /// What the capture was corrected by; `None` before that was known.
     align: Option<AlignSettings>,
@@ -139,10 +133,7 @@ impl Comparer {
         let truth = truth.ok_or_else(unknown_truth)?;
         let seen = truth::seen_at(&cameras_left(key)?, vantage.frame)?;
         let classes = truth::class_map(&vantage.camera, &truth, &seen).ok_or_else(|| {
-            Error::invalid(
-                "comparison",
-                "The true picture has no depth, so that differences cannot be sorted into unseen, edge and inner.",
-            )
+            refused("The true picture has no depth, so that differences cannot be sorted into unseen, edge and inner.")
         })?;
         difference::by_class(compared, &classes, key.dark)
     }
@@ -169,12 +160,8 @@ impl Comparer {
         if let CompareSide::Pictures(id) = side {
             return picture_of_folder(key, id, viewpoint);
         }
-        let mut settings = match side {
-            CompareSide::A => key.settings[1].clone(),
-            CompareSide::B => key.settings[2].clone(),
-            CompareSide::Before => key.settings[3].clone(),
-            _ => key.settings[0].clone(),
-        };
+        let of_settings = OF_SETTINGS.iter().position(|of| *of == side).unwrap_or(0);
+        let mut settings = key.settings[of_settings].clone();
         let mut render = settings.render.clone();
         match side {
             CompareSide::Point => render.kernel = Kernel::Point,
@@ -202,7 +189,7 @@ impl Comparer {
         if side == CompareSide::Gpu
             && let Some(notice) = self.renderer.notice()
         {
-            return Err(Error::invalid("comparison", notice));
+            return Err(refused(notice));
         }
         viewpoint.expose(Arc::make_mut(&mut picture));
         Ok(difference::of_picture(&picture))
@@ -244,11 +231,9 @@ impl Comparer {
         // The scan is of all cameras, so that it does not fit a left-out one; without pruning no span is used.
         let frame_alone = left_out.is_some() || rival.is_some() || side == CompareSide::Everything;
         let scan = if frame_alone { None } else { self.scan(key, settings, job)? };
-        let by = rival.map_or_else(
-            || MadeBy::Pruning { method: method_of(settings), with_scan: scan.is_some() },
-            MadeBy::Rival,
-        );
-        let of = MadeOf { scene: key.scene.id, frame, by, left_out, align: corrected_by(key) };
+        let pruned_by = rival.is_none().then(|| (method_of(settings), scan.is_some()));
+        let align = key.scan.as_ref().map(|scan| scan.align_settings().clone());
+        let of = MadeOf { scene: key.scene.id, frame, pruned_by, rival, left_out, align };
         if let Some((_, made)) = self.made.iter().find(|(known, _)| *known == of) {
             return Ok(made.clone());
         }
@@ -276,9 +261,8 @@ fn keep<T>(kept: &mut Vec<T>, most: usize, latest: T) {
 /// What another program made there.
 fn picture_of_folder(key: &CompareKey, id: u64, viewpoint: &Viewpoint) -> Result<DisplayedSide> {
     let folder = key.pictures.iter().find(|folder| folder.id == id);
-    let folder = folder.ok_or_else(|| Error::invalid("comparison", "These pictures are closed."))?;
-    let load = folder.picture(viewpoint.from, viewpoint.vantage.frame);
-    let frame = load.map_err(|reason| Error::invalid("comparison", reason))?()?;
+    let folder = folder.ok_or_else(|| refused("These pictures are closed."))?;
+    let frame = folder.picture(viewpoint.from, viewpoint.vantage.frame).map_err(refused)?()?;
     Ok(difference::of_picture(&picture_of_frame(&frame)))
 }
 
