@@ -67,7 +67,9 @@ impl OverlookApp {
 
     /// Lets go of what glows no more, and asks for the next picture of what does.
     pub(crate) fn fade_changes(&mut self) {
-        if self.state.doc.change.fade() {
+        let glows = &mut self.state.doc.change.glows;
+        glows.retain(|glow| glow.age() < 1.0);
+        if !glows.is_empty() {
             self.ctx.request_repaint_after(STEP);
         }
     }

@@ -8,6 +8,7 @@ pub(crate) mod work;
 use crate::app::model::scene::method_of;
 use crate::app::model::state::State;
 use crate::app::rooms::change::state::{Difference, Figures};
+use crate::app::rooms::charts::ui::tuning::signed;
 use crate::text::{bytes, count, significant};
 
 impl Figures {
@@ -36,10 +37,16 @@ fn counted(before: u64, now: u64, text: fn(u64) -> String) -> String {
     format!("{sign}{} ({sign}{} %)", text(now.abs_diff(before)), significant(percent.abs()))
 }
 
-/// The difference of two numbers, with its sign.
-fn signed(before: f64, now: f64, digits: usize) -> String {
-    let sign = if now < before { "−" } else { "+" };
-    format!("{sign}{:.digits$}", (now - before).abs())
+/// A figure before and now; `None` where it was not known before.
+fn difference<T: Copy>(
+    name: &'static str,
+    [before, now]: [Option<T>; 2],
+    text: impl Fn(T) -> String,
+    change: impl Fn(T, T) -> String,
+) -> Option<Difference> {
+    let before = before?;
+    let change = now.map(|now| change(before, now));
+    Some(Difference { name, before: text(before), now: now.map(text), change })
 }
 
 impl State {
@@ -47,23 +54,12 @@ impl State {
     pub(crate) fn differences(&self) -> Vec<Difference> {
         let Some(before) = &self.doc.change.before else { return Vec::new() };
         let now = Figures::of(self);
-        let of_count = |name, of: [Option<u64>; 2], text: fn(u64) -> String| {
-            let [before, now] = of;
-            before.map(|before| Difference {
-                name,
-                before: text(before),
-                now: now.map(text),
-                change: now.map(|now| counted(before, now, text)),
-            })
+        let of_count = |name, of, text: fn(u64) -> String| {
+            difference(name, of, text, |before, now| counted(before, now, text))
         };
-        let of_number = |name, of: [Option<f64>; 2], unit: &str, digits: usize| {
-            let [before, now] = of;
-            before.map(|before| Difference {
-                name,
-                before: format!("{before:.digits$} {unit}"),
-                now: now.map(|now| format!("{now:.digits$} {unit}")),
-                change: now.map(|now| format!("{} {unit}", signed(before, now, digits))),
-            })
+        let of_number = |name, of, unit: &str, digits: usize| {
+            let text = |number: f64| format!("{number:.digits$} {unit}");
+            difference(name, of, text, |before, now| signed(now - before, digits, unit))
         };
         let here = self.timeline.frame;
         let of_frame = |figures: &Figures| figures.frame.filter(|(frame, _)| *frame == here).map(|it| it.1);
@@ -89,7 +85,6 @@ mod tests {
         assert_eq!(counted(1_430_000, 1_490_000, count), "+60.0 k (+4.20 %)");
         assert_eq!(counted(200, 150, count), "−50 (−25.0 %)");
         assert_eq!(counted(0, 5, count), "+5 (+500 %)");
-        assert_eq!(signed(36.02, 35.84, 2), "−0.18");
     }
 
     #[test]

@@ -24,14 +24,6 @@ pub(crate) struct SettingsChange {
     pub glows: Vec<Glow>,
 }
 
-impl SettingsChange {
-    /// Forgets what glows no more; whether anything is left.
-    pub(crate) fn fade(&mut self) -> bool {
-        self.glows.retain(|glow| glow.age() < 1.0);
-        !self.glows.is_empty()
-    }
-}
-
 /// Samples of one pruning that the one before lacks, or the other way round, as the live view shows them.
 pub(crate) struct Glow {
     /// Each sample in the color of its camera.
@@ -45,7 +37,7 @@ pub(crate) struct Glow {
 
 impl Glow {
     /// The share of its time that is over.
-    fn age(&self) -> f32 {
+    pub(crate) fn age(&self) -> f32 {
         self.since.elapsed().as_secs_f32() / GLOWS.as_secs_f32()
     }
 
@@ -68,11 +60,11 @@ pub(crate) struct Figures {
     pub bytes: Option<u64>,
     /// Mean PSNR where the truth is known, dB.
     pub psnr_db: Option<f64>,
-    /// Milliseconds of the last live picture at rest.
+    /// Milliseconds that the last live picture at rest took.
     pub picture_ms: Option<f64>,
 }
 
-/// A figure before a change of settings and now, with its name in the headline where it stands there.
+/// A figure before a change of settings and now.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Difference {
     pub name: &'static str,

@@ -8,13 +8,12 @@ use egui::TextureOptions;
 use crate::app::control::OverlookApp;
 use crate::app::model::command::ReadingCommand;
 use crate::app::model::window::NoticeKind;
-use crate::app::model::{self, Command, SceneSource};
-use crate::app::rooms::readings::state::{ReadingImages, ShownReadings};
+use crate::app::model::{Command, SceneSource};
+use crate::app::rooms::readings::state::{ReadingImages, ReadingPictures};
 use crate::app::work::OpenRequest;
 use overlook_engine::capture::conventions::Finding;
 
 impl OverlookApp {
-    /// Carries out what concerns readings.
     pub(crate) fn apply_to_readings(&mut self, command: ReadingCommand) {
         match command {
             ReadingCommand::Compare(open) => {
@@ -73,9 +72,9 @@ impl OverlookApp {
     pub(crate) fn readings_shown(&mut self, images: Result<ReadingImages, String>) {
         let readings = &mut self.state.doc.readings;
         match images {
-            Ok(ReadingImages { camera, images, votes }) => {
+            Ok(ReadingImages { camera, pictures, votes }) => {
                 let texture = |image| self.ctx.load_texture("reading", image, TextureOptions::LINEAR);
-                readings.shown = Some(ShownReadings { camera, textures: images.map(texture), votes });
+                readings.shown = Some(ReadingPictures { camera, pictures: pictures.map(texture), votes });
             }
             Err(trouble) => readings.trouble = Some(trouble),
         }

@@ -7,21 +7,15 @@ use egui::TextureHandle;
 use overlook_engine::capture::conventions::{Alternative, Finding};
 
 /// Two readings as pictures: what one camera recorded, and what the others show of it as read and under the other reading.
-#[derive(Clone)]
-pub(crate) struct ReadingImages {
+pub(crate) struct ReadingPictures<T> {
     /// Name of the camera.
     pub camera: String,
-    pub images: [Arc<egui::ColorImage>; 3],
+    pub pictures: [T; 3],
     /// Shares of points that agree and that contradict under each reading.
     pub votes: [[f64; 2]; 2],
 }
 
-/// The readings as the window shows them.
-pub(crate) struct ShownReadings {
-    pub camera: String,
-    pub textures: [TextureHandle; 3],
-    pub votes: [[f64; 2]; 2],
-}
+pub(crate) type ReadingImages = ReadingPictures<Arc<egui::ColorImage>>;
 
 /// The check of how the open capture is read: its finding, and the dialog that compares two readings.
 #[derive(Default)]
@@ -30,7 +24,7 @@ pub(crate) struct ReadingCheck {
     pub finding: Option<Arc<Finding>>,
     /// Whether the dialog is open that compares two readings.
     pub is_open: bool,
-    pub shown: Option<ShownReadings>,
+    pub shown: Option<ReadingPictures<TextureHandle>>,
     /// Why the comparison cannot be shown.
     pub trouble: Option<String>,
 }

@@ -4,10 +4,10 @@ use egui::{Button, Id, Label, Modal, RichText, Ui, Vec2};
 
 use crate::app::model::command::{FileCommand, Opening, ReadingCommand};
 use crate::app::model::{Command, Commands, OpenScene, State};
-use crate::app::rooms::readings::state::{ReadingCheck, ShownReadings};
+use crate::app::rooms::readings::state::ReadingCheck;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, picture, waiting, weak};
-use overlook_engine::capture::conventions::{Alternative, Finding, LensReading, Reading};
+use overlook_engine::capture::conventions::{Alternative, Finding, Reading};
 
 /// Width of each of the three pictures, points, and of the window's edge and the dialog's.
 const PICTURE: f32 = 250.0;
@@ -76,7 +76,7 @@ fn columns_ui(ui: &mut Ui, readings: &ReadingCheck, finding: &Finding, other: &A
 }
 
 fn picture_ui(ui: &mut Ui, readings: &ReadingCheck, index: usize, name: &str, width: f32) {
-    let texture = readings.shown.as_ref().map(|shown: &ShownReadings| &shown.textures[index]);
+    let texture = readings.shown.as_ref().map(|shown| &shown.pictures[index]);
     let aspect = texture.map_or(ASPECT, |texture| {
         let size = texture.size_vec2();
         (size.y / size.x).min(1.5)
@@ -84,10 +84,10 @@ fn picture_ui(ui: &mut Ui, readings: &ReadingCheck, index: usize, name: &str, wi
     let (area, response) = ui.allocate_exact_size(Vec2::new(width, width * aspect), egui::Sense::hover());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Picture: {name}")));
     ui.painter().rect_filled(area, f32::from(space::RADIUS), Tokens::in_ui(ui).canvas);
-    match (texture, &readings.trouble) {
-        (Some(texture), _) => picture(ui.painter(), texture.id(), area),
-        (None, Some(_)) => {}
-        (None, None) => waiting(ui, area, 22.0),
+    if let Some(texture) = texture {
+        picture(ui.painter(), texture.id(), area);
+    } else if readings.trouble.is_none() {
+        waiting(ui, area, 22.0);
     }
 }
 
@@ -98,29 +98,23 @@ fn reading_ui(ui: &mut Ui, votes: Option<[f64; 2]>, reading: &Reading, claimed: 
         format!("{:.0} % of the points agree, {:.0} % contradict", 100.0 * agree, 100.0 * contradict)
     });
     ui.label(RichText::new(fit).strong());
-    let parts = [
-        (
-            format!("Poses: {}", reading.pose.direction.words()),
-            reading.pose.direction != claimed.pose.direction,
-        ),
-        (format!("Camera axes: {}", reading.pose.axes.words()), reading.pose.axes != claimed.pose.axes),
-        (format!("Depth: {}", reading.measure.words()), reading.measure != claimed.measure),
-        (format!("Unit of depth: {}", unit(reading.unit)), reading.unit != claimed.unit),
-        (format!("Lens: {}", lens(&reading.lens)), reading.lens != claimed.lens),
-    ];
-    for (text, differs) in parts {
-        let color = if differs { tokens.accent } else { tokens.text_weak };
+    for (text, claim) in words(reading).into_iter().zip(words(claimed)) {
+        let color = if text == claim { tokens.text_weak } else { tokens.accent };
         ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
     }
 }
 
-fn unit(unit: f64) -> String {
-    serde_json::to_string(&unit).unwrap_or_default() + " world units"
-}
-
-fn lens(lens: &LensReading) -> String {
-    let words = lens.words();
-    if words.is_empty() { "as claimed".to_owned() } else { words.join(", ") }
+/// The parts of a reading.
+fn words(reading: &Reading) -> [String; 5] {
+    let lens = reading.lens.words();
+    let lens = if lens.is_empty() { "as claimed".to_owned() } else { lens.join(", ") };
+    [
+        format!("Poses: {}", reading.pose.direction.words()),
+        format!("Camera axes: {}", reading.pose.axes.words()),
+        format!("Depth: {}", reading.measure.words()),
+        format!("Unit of depth: {} world units", serde_json::to_string(&reading.unit).unwrap_or_default()),
+        format!("Lens: {lens}"),
+    ]
 }
 
 /// The keys that make the capture open under the other reading from now on, and the file to write them to.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
 
+use crate::app::colormap::opaque;
 use crate::app::model::{Message, OpenScene, Same, SceneSource, State};
 use crate::app::rooms::readings::state::ReadingImages;
 use crate::app::work::worker::Wanted;
@@ -61,7 +62,7 @@ fn show(scene: &OpenScene, finding: &Finding) -> Result<ReadingImages> {
     let pictures = conventions::pictures(scene.source()?, [finding.claimed, other], WIDTH)?;
     let [as_read, otherwise] = &pictures.readings;
     Ok(ReadingImages {
-        images: [
+        pictures: [
             image(&pictures.recorded, |color| Some(*color)),
             image(&as_read.color, |color| *color),
             image(&otherwise.color, |color| *color),
@@ -73,13 +74,7 @@ fn show(scene: &OpenScene, finding: &Finding) -> Result<ReadingImages> {
 
 /// A picture for the screen; transparent in holes.
 fn image<T>(colors: &Grid<T>, color: impl Fn(&T) -> Option<[f32; 3]>) -> Arc<ColorImage> {
-    let shown = |value: &T| match color(value) {
-        Some(color) => {
-            let [r, g, b] = color.map(srgb8_from_linear);
-            Color32::from_rgb(r, g, b)
-        }
-        None => Color32::TRANSPARENT,
-    };
-    let (width, height) = colors.size();
-    Arc::new(ColorImage::new([width, height], colors.as_slice().iter().map(shown).collect()))
+    let shown =
+        |value: &T| color(value).map_or(Color32::TRANSPARENT, |color| opaque(color.map(srgb8_from_linear)));
+    Arc::new(ColorImage::new(colors.size().into(), colors.map(shown).into_vec()))
 }
