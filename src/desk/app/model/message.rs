@@ -9,6 +9,7 @@ use crate::app::model::purpose::Purpose;
 use crate::app::model::scene::{Accuracy, CameraMemory, Inspected, OpenScene};
 use crate::app::model::work_kind::WorkKind;
 use crate::app::rooms::change::state::ChangeRequest;
+use crate::app::rooms::charts::state::{Found, Study};
 use crate::app::rooms::compare::state::{CompareKey, PictureDifference, PictureFolder};
 use crate::app::rooms::edits::state::{EditKey, EditedScene};
 use crate::app::rooms::path::{CameraPath, SavedPathKey};
@@ -23,9 +24,7 @@ use overlook_engine::edits::EditList;
 use overlook_engine::error::Error;
 use overlook_engine::preprocess::{PreparedScan, Preprocessed};
 use overlook_engine::settings::Settings;
-use overlook_lab::stress::StressPoint;
-use overlook_lab::sweep::Point;
-use overlook_lab::tune::{CameraWorth, Tuned};
+use overlook_lab::tune::Tuned;
 
 /// An answer of a worker.
 pub(crate) enum Message {
@@ -109,34 +108,16 @@ pub(crate) enum Message {
         bytes: Option<u64>,
         holds: Option<(u64, Settings)>,
     },
-    /// A point of a sweep, and how many are known, of how many.
-    Swept {
+    /// What a study measured last, and how much of it is known, of how much.
+    Found {
         scene: u64,
-        point: Box<Point>,
-        known: (usize, usize),
-    },
-    /// A point of a stress test, and how many are known, of how many.
-    Stressed {
-        scene: u64,
-        point: Box<StressPoint>,
-        known: (usize, usize),
-    },
-    /// A point of tuning, and how many are known, of how many.
-    Tried {
-        scene: u64,
-        point: Box<Point>,
+        found: Box<Found>,
         known: (usize, usize),
     },
     /// The settings that tuning found.
     Tuned {
         scene: u64,
         tuned: Box<Tuned>,
-    },
-    /// What a camera is worth, and how many are known, of how many.
-    Ranked {
-        scene: u64,
-        camera: Box<CameraWorth>,
-        known: (usize, usize),
     },
     /// A study is done, or its time is over with so many measurements left.
     Studied {
@@ -254,11 +235,8 @@ impl Message {
             | Self::Histograms { scene, .. }
             | Self::ValuesCounted { scene, .. }
             | Self::MemoryMapped { scene, .. }
-            | Self::Swept { scene, .. }
-            | Self::Stressed { scene, .. }
-            | Self::Tried { scene, .. }
+            | Self::Found { scene, .. }
             | Self::Tuned { scene, .. }
-            | Self::Ranked { scene, .. }
             | Self::Studied { scene, .. }
             | Self::PicturesOpened { scene, .. }
             | Self::SizesMeasured { scene, .. }

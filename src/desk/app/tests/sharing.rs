@@ -7,7 +7,7 @@ use crate::app::model::Command;
 use crate::app::model::command::{ChartCommand, FileCommand, Opening, PathCommand, ViewCommand};
 use crate::app::model::picture::ColorBy;
 use crate::app::model::purpose::{Purpose, ShareCommand};
-use crate::app::rooms::charts::state::Study;
+use crate::app::rooms::charts::state::{Found, Study};
 use crate::app::rooms::share::state::{ShareOutcome, SharePreviewKey};
 use crate::app::rooms::timeline::TimeCommand;
 use crate::app::tests::{change_path, ready, settle, wait};
@@ -30,7 +30,7 @@ fn a_chart_is_written_in_the_format_of_its_name_and_copied() {
     let trial = Trial::new("default, gather", Settings::default());
     let mut point = Point::new(&trial, Series::Reference, &TrialResult::default());
     (point.psnr_filled_db, point.bytes) = (30.0, 1000);
-    app.state.doc.charts.add(point, (1, 1));
+    app.state.doc.charts.add(Found::Sweep(point), (1, 1));
     for (ending, begins) in [("pdf", &b"%PDF"[..]), ("svg", b"<svg"), ("png", b"\x89PNG")] {
         let path = folder.path().join(format!("sweep.{ending}"));
         app.take_path(save, path.clone());

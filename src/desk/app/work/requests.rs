@@ -4,15 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::app::model::{Message, OpenScene};
-use crate::app::rooms::charts::state::{Study, StudyChoice};
+use crate::app::rooms::charts::state::StudyPlan;
 use overlook_engine::demo::DemoSpec;
-use overlook_engine::edits::EditList;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
-use overlook_engine::settings::{CaptureSettings, Settings};
-use overlook_lab::stress::StressPoint;
-use overlook_lab::sweep::Point;
-use overlook_lab::tune::CameraWorth;
+use overlook_engine::settings::CaptureSettings;
 
 /// What to open.
 #[derive(Clone, Debug)]
@@ -49,17 +45,5 @@ impl FileWork {
 pub(crate) struct StudyRequest {
     /// What is open, a capture.
     pub scene: Arc<OpenScene>,
-    pub study: Study,
-    /// The settings to start from.
-    pub settings: Settings,
-    /// What is measured, and for how long.
-    pub choice: StudyChoice,
-    /// What is cut by hand before cameras are ranked.
-    pub edits: EditList,
-    /// What is known of the sweep or of tuning already.
-    pub known: Vec<Point>,
-    /// What is known of the stress test already.
-    pub known_stress: Vec<StressPoint>,
-    /// The cameras that are ranked already.
-    pub ranked: Vec<CameraWorth>,
+    pub plan: StudyPlan,
 }

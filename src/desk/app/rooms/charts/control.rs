@@ -9,15 +9,11 @@ use crate::app::rooms::charts::sheet;
 use crate::app::rooms::charts::state::{Study, StudyQuestion, to_measure};
 use crate::app::work::StudyRequest;
 use overlook_engine::settings::Settings;
-use overlook_lab::stress::StressPlan;
-use overlook_lab::sweep::SweepPlan;
-use overlook_lab::tune::TunePlan;
 
 /// Changes of settings that a message lists one by one.
 const CHANGES: usize = 5;
 
 impl OverlookApp {
-    /// Carries out what concerns charts.
     pub(crate) fn apply_to_charts(&mut self, command: ChartCommand) {
         let charts = &mut self.state.doc.charts;
         match command {
@@ -52,28 +48,14 @@ impl OverlookApp {
     /// Asks what to measure, and says how much that is.
     fn ask_what_to_measure(&mut self, study: Study) {
         let Some(scene) = self.state.doc.scene.clone() else { return };
-        let (charts, settings) = (&self.state.doc.charts, &self.state.settings);
-        let choice = charts.choice(study);
         let (capture, truth) = match to_measure(&scene) {
             Ok(measured) => measured,
             Err(error) => return self.state.warn_of_scene("Nothing to measure", error.to_string()),
         };
-        let measurements = match study {
-            Study::Sweep => {
-                SweepPlan { done: charts.sweep.clone(), ..choice.sweep_plan(settings, capture) }.open()
-            }
-            Study::Stress => {
-                let plan = StressPlan { done: charts.known_stress(), ..choice.stress_plan(settings) };
-                plan.open(capture, &truth)
-            }
-            Study::Tuning => {
-                let plan = TunePlan { done: charts.tuning.clone(), ..choice.tune_plan(settings) };
-                plan.open()
-            }
-            Study::Ranking => capture.cameras.len(),
-        };
+        let (charts, settings) = (&mut self.state.doc.charts, &self.state.settings);
+        let measurements = charts.plan(study, settings, capture).open(capture, &truth);
         let groups = study.groups(settings, capture);
-        self.state.doc.charts.question = Some(StudyQuestion { study, groups, measurements });
+        charts.question = Some(StudyQuestion { study, groups, measurements });
     }
 
     /// Measures what is chosen with the settings on the sliders; goes on from what is known.
@@ -84,21 +66,20 @@ impl OverlookApp {
             self.apply(Command::Window(WindowCommand::OpenView(study.view())));
         }
         self.state.doc.charts.hides_ranking &= study != Study::Ranking;
-        if let Err(error) = to_measure(&scene) {
-            return self.state.warn_of_scene("Nothing to measure", error.to_string());
-        }
+        let capture = match to_measure(&scene) {
+            Ok((capture, _)) => capture,
+            Err(error) => return self.state.warn_of_scene("Nothing to measure", error.to_string()),
+        };
         if self.state.doc.charts.studying {
             let text = "Another measurement is under way; let it finish, or stop it (Esc) first.";
             self.state.warn_of_scene("Already measuring", text);
             return;
         }
-        let settings = self.state.settings.clone();
-        let edits = self.state.doc.edits.list.clone();
-        let charts = &mut self.state.doc.charts;
+        let (doc, settings) = (&mut self.state.doc, &self.state.settings);
         if study == Study::Ranking {
-            charts.rank_with(&edits);
+            doc.charts.rank_with(&doc.edits.list);
         }
-        if !charts.begin(study, &settings) {
+        if !doc.charts.begin(study, settings) {
             if study == Study::Ranking {
                 return;
             }
@@ -107,11 +88,8 @@ impl OverlookApp {
             self.state.notify(NoticeKind::Done, "Nothing left to measure", text);
             return;
         }
-        let known = if study == Study::Tuning { charts.tuning.clone() } else { charts.sweep.clone() };
-        let (known_stress, ranked) = (charts.known_stress(), charts.ranking.clone());
-        let choice = charts.choice(study).clone();
-        let request = StudyRequest { scene, study, settings, choice, edits, known, known_stress, ranked };
-        self.workers.study.submit(request);
+        let plan = doc.charts.plan(study, settings, capture);
+        self.workers.study.submit(StudyRequest { scene: scene.clone(), plan });
     }
 
     /// Applies the settings of a chart's point, and lists what changes.

@@ -54,6 +54,7 @@ fn sheet_of_stress_test(scene: &str, charts: &Charts) -> Option<Chart> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::rooms::charts::state::Found;
     use crate::app::rooms::charts::state::axis::{Quantity, ShownAxis};
     use overlook_engine::settings::Settings;
     use overlook_lab::sweep::Series;
@@ -70,8 +71,8 @@ mod tests {
     fn a_chart_that_leaves_shows_the_axes_and_the_series_that_are_shown() {
         let mut state = State::default();
         assert!(sheet(Study::Sweep, &state).is_none() && sheet(Study::Stress, &state).is_none());
-        state.doc.charts.add(point(Series::Reference, 30.0, 2_000_000), (1, 2));
-        state.doc.charts.add(point(Series::Random, 20.0, 1_000_000), (2, 2));
+        state.doc.charts.add(Found::Sweep(point(Series::Reference, 30.0, 2_000_000)), (1, 2));
+        state.doc.charts.add(Found::Sweep(point(Series::Random, 20.0, 1_000_000)), (2, 2));
         let svg = |state: &State| sheet(Study::Sweep, state).unwrap().svg();
         let both = svg(&state);
         for words in
@@ -93,7 +94,8 @@ mod tests {
     #[test]
     fn a_stress_test_leaves_with_all_disturbances_and_the_names_of_the_window() {
         let mut state = State::default();
-        for (disturbance, method) in [("camera_pose", "ours"), ("noise", "ours"), ("noise", "paper")] {
+        let methods = ["ours", "paper", "without defenses"].map(|method| ("noise", method));
+        for (disturbance, method) in methods.into_iter().chain([("camera_pose", "ours")]) {
             let stressed = StressPoint {
                 disturbance: disturbance.to_owned(),
                 unit: "pixels".to_owned(),
@@ -103,10 +105,10 @@ mod tests {
                 kept_share: 0.5,
                 point: point(Series::Variation, 30.0, 10),
             };
-            state.doc.charts.add_stressed(stressed, (1, 3));
+            state.doc.charts.add(Found::Stress(stressed), (1, 4));
         }
         let svg = sheet(Study::Stress, &state).unwrap().svg();
-        for words in [START, "as in the paper", "oise, pixels", "amera pose, pixels"] {
+        for words in [START, "as in the paper", "noise handling off", "oise, pixels", "amera pose, pixels"] {
             assert!(svg.contains(words), "{words}: {svg}");
         }
         state.doc.charts.toggle(Study::Stress, "as in the paper".to_owned());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::app::model::{Accuracy, Content, Message, OpenScene, Same, State};
-use crate::app::rooms::charts::state::{Study, to_measure};
+use crate::app::rooms::charts::state::{Found, StudyPlan, to_measure};
 use crate::app::work::requests::StudyRequest;
 use crate::app::work::worker::{Outbox, Wanted};
 use overlook_engine::capture::{Frame, TruthView};
@@ -17,7 +17,7 @@ use overlook_lab::metrics;
 use overlook_lab::stress::{self, StressPoint};
 use overlook_lab::sweep::{self, Point};
 use overlook_lab::truth::views_as_taken;
-use overlook_lab::tune::{self, RankPlan, TunePlan};
+use overlook_lab::tune;
 
 /// Vantages that are compared: enough for a figure in passing, few enough to take seconds.
 const VIEWS: usize = 3;
@@ -103,46 +103,34 @@ fn psnr_at(
 
 /// Measures, and sends every point as it comes.
 pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
-    let StudyRequest { scene, study, settings, choice, edits, known, known_stress, ranked } = request;
+    let StudyRequest { scene, plan } = request;
     let (capture, truth) = to_measure(&scene)?;
-    let left = match study {
-        Study::Sweep => {
-            let mut plan = choice.sweep_plan(&settings, capture);
-            plan.done = known;
+    let tell = |found: Found, known| {
+        outbox.send(Message::Found { scene: scene.id, found: Box::new(found), known });
+    };
+    let left = match plan {
+        StudyPlan::Sweep(plan) => {
             let of = plan.trials.len();
-            let tell = |point: &Point, known| {
-                let point = Box::new(point.clone());
-                outbox.send(Message::Swept { scene: scene.id, point, known: (known, of) });
-            };
+            let tell = |point: &Point, known| tell(Found::Sweep(point.clone()), (known, of));
             sweep::run(capture, &plan, &truth, job, tell)?.left
         }
-        Study::Stress => {
-            let mut plan = choice.stress_plan(&settings);
-            plan.done = known_stress;
-            let tell = |point: &StressPoint, known| {
-                let point = Box::new(point.clone());
-                outbox.send(Message::Stressed { scene: scene.id, point, known });
-            };
+        StudyPlan::Stress(plan) => {
+            let tell = |point: &StressPoint, known| tell(Found::Stress(point.clone()), known);
             stress::run(capture, &plan, &truth, job, tell)?.left
         }
-        Study::Tuning => {
-            let mut plan = TunePlan { done: known, ..choice.tune_plan(&settings) };
-            let (first, of) = (plan.done.len(), plan.done.len() + plan.open());
-            let mut count = first;
+        StudyPlan::Tuning(mut plan) => {
+            let (mut count, of) = (plan.done.len(), plan.done.len() + plan.open());
             let tuned = tune::run(capture, &plan, &truth, job, |point| {
                 count += 1;
-                let (point, known) = (Box::new(point.clone()), (count, of.max(count)));
-                outbox.send(Message::Tried { scene: scene.id, point, known });
+                tell(Found::Tuning(point.clone()), (count, of.max(count)));
             })?;
             plan.done.clone_from(&tuned.points);
             outbox.send(Message::Tuned { scene: scene.id, tuned: Box::new(tuned) });
             plan.open()
         }
-        Study::Ranking => {
-            let plan = RankPlan { settings, edits, done: ranked };
+        StudyPlan::Ranking(plan) => {
             tune::rank_cameras(capture, &plan, &truth, job, |camera, known| {
-                let camera = Box::new(camera.clone());
-                outbox.send(Message::Ranked { scene: scene.id, camera, known });
+                tell(Found::Ranking(camera.clone()), known);
             })?;
             0
         }
@@ -154,26 +142,8 @@ pub(crate) fn study(request: StudyRequest, outbox: &Outbox, job: &Job) -> Result
 mod tests {
     use super::*;
     use crate::app::model::SceneSource;
-    use crate::app::rooms::charts::state::StudyChoice;
+    use crate::app::rooms::charts::state::{Charts, Study};
     use overlook_engine::demo::{Demo, DemoSpec};
-    use overlook_engine::edits::EditList;
-
-    #[test]
-    fn with_nothing_pruned_every_pixel_is_the_one_that_was_recorded() {
-        let spec = DemoSpec::new("nine-cameras").cameras(2).frames(4).size((48, 36));
-        let mut settings = Settings::default();
-        settings.pruning.mixed_pixels = MixedPixels::Drop;
-        let capture = Demo::new(&spec).unwrap().capture(&settings.capture);
-        let unpruned = with_nothing_pruned(&settings);
-        let samples = preprocess::inspect_frame(&capture, None, &unpruned, 1, &Job::new()).unwrap().samples;
-        assert_eq!(samples.sample_count(), 2 * 48 * 36);
-        let scan = preprocess::scan(&capture, &unpruned, &Job::new()).unwrap();
-        let whole = preprocess::prune(&capture, &scan, &unpruned, &Job::new()).unwrap();
-        assert_eq!(
-            whole.report.samples_kept, whole.report.samples_in,
-            "nothing is stored for several frames"
-        );
-    }
 
     #[test]
     fn a_single_camera_without_truth_is_not_measured_and_one_line_says_what_to_do() {
@@ -185,16 +155,8 @@ mod tests {
         let (sender, _inbox) = std::sync::mpsc::sync_channel(8);
         let outbox = Outbox::new(sender, egui::Context::default());
         for study in [Study::Sweep, Study::Stress, Study::Tuning, Study::Ranking] {
-            let request = StudyRequest {
-                scene: scene.clone(),
-                study,
-                settings: settings.clone(),
-                choice: StudyChoice::default(),
-                edits: EditList::default(),
-                known: Vec::new(),
-                known_stress: Vec::new(),
-                ranked: Vec::new(),
-            };
+            let plan = Charts::default().plan(study, &settings, scene.capture().unwrap());
+            let request = StudyRequest { scene: scene.clone(), plan };
             let Err(error) = super::study(request, &outbox, &Job::new()) else { panic!("it was measured") };
             assert!(error.to_string().contains("record a second camera"), "{error}");
             assert!(!error.to_string().contains('\n'), "{error}");

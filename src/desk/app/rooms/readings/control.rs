@@ -8,7 +8,7 @@ use egui::TextureOptions;
 use crate::app::control::OverlookApp;
 use crate::app::model::command::ReadingCommand;
 use crate::app::model::window::NoticeKind;
-use crate::app::model::{Command, SceneSource};
+use crate::app::model::{self, Command, SceneSource};
 use crate::app::rooms::readings::state::{ReadingImages, ReadingPictures};
 use crate::app::work::OpenRequest;
 use overlook_engine::capture::conventions::Finding;

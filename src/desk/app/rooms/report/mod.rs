@@ -11,9 +11,12 @@ use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::state::State;
 use crate::app::rooms::pixel::{own_sample, sees};
 use crate::text::{account_parts, significant};
+use overlook_engine::alignment::AlignedCamera;
 use overlook_engine::capture::Camera;
-use overlook_engine::preprocess::diagnostics::{Report, SpanReport};
+use overlook_engine::preprocess::diagnostics::{CameraReport, Report, SpanReport};
+use overlook_engine::preprocess::inspect::CameraEvidence;
 use overlook_engine::settings::Settings;
+use overlook_lab::stress::StressPoint;
 use overlook_lab::sweep::Point;
 
 /// The table of the known values; `None` while there are none.
@@ -21,21 +24,7 @@ pub(crate) fn table_text(table: Table, form: TableForm, state: &State) -> Option
     let charts = &state.doc.charts;
     let rows = match table {
         Table::Sweep => charts.sweep.iter().map(sweep_row).collect(),
-        Table::StressTest => charts
-            .stress
-            .iter()
-            .map(|point| {
-                let mut row = vec![
-                    ("disturbance", point.disturbance.clone()),
-                    ("size", point.dial.to_string()),
-                    ("unit", point.unit.clone()),
-                    ("method", point.method.clone()),
-                    ("loss_db", point.loss_db.to_string()),
-                ];
-                row.extend(sweep_row(&point.point));
-                row
-            })
-            .collect(),
+        Table::StressTest => charts.stress.iter().map(stress_row).collect(),
         Table::Replacements => replacements(state.report()?),
         Table::Agreement => agreement(state.report()?),
         Table::Alignment => alignment(state.report()?),
@@ -72,36 +61,37 @@ fn readable(cell: &str) -> (bool, String) {
     }
 }
 
-/// The names of the columns and whether their cells are numbers.
-fn columns(rows: &[CsvRow]) -> Vec<(&'static str, bool)> {
-    let first = rows.first().into_iter().flatten();
+/// The line of names, and those of cells, with what stands before, between and after the texts of a line.
+fn lines(rows: &[CsvRow], [start, between, end]: [&str; 3], text: impl Fn(&str) -> String) -> [String; 2] {
+    let line = |texts: Vec<String>| format!("{start}{}{end}", texts.join(between));
+    let names = rows.iter().take(1).map(|row| line(row.iter().map(|(name, _)| text(name)).collect()));
+    let cells = rows.iter().map(|row| line(row.iter().map(|(_, cell)| text(cell)).collect()));
+    [names.collect(), cells.collect()]
+}
+
+/// A mark for each column: one for numbers, or one for words.
+fn marks<'a>(rows: &[CsvRow], [number, word]: [&'a str; 2]) -> Vec<&'a str> {
     let is_number = |nth: usize| rows.iter().all(|row| row.get(nth).is_none_or(|(_, cell)| readable(cell).0));
-    first.enumerate().map(|(nth, (name, _))| (*name, is_number(nth))).collect()
+    (0..rows.first().map_or(0, Vec::len)).map(|nth| if is_number(nth) { number } else { word }).collect()
+}
+
+fn as_csv(rows: &[CsvRow]) -> String {
+    lines(rows, ["", ",", "\r\n"], quoted).concat()
 }
 
 fn as_markdown(rows: &[CsvRow]) -> String {
-    let escaped = |text: &str| text.replace('|', "\\|").replace(['\n', '\r'], " ");
-    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let columns = columns(rows);
-    let mut text = line(columns.iter().map(|(name, _)| escaped(&name.replace('_', " "))).collect());
-    text += &line(
-        columns.iter().map(|(_, is_number)| if *is_number { "---:" } else { "---" }.to_owned()).collect(),
-    );
-    text.extend(
-        rows.iter().map(|row| line(row.iter().map(|(_, cell)| escaped(&readable(cell).1)).collect())),
-    );
-    text
+    let escaped = |text: &str| readable(text).1.replace('|', "\\|").replace(['\n', '\r'], " ");
+    let [names, cells] = lines(rows, ["| ", " | ", " |\n"], escaped);
+    let alignment = marks(rows, ["---:", "---"]).join(" | ");
+    format!("{}| {alignment} |\n{cells}", names.replace('_', " "))
 }
 
 fn as_latex(rows: &[CsvRow]) -> String {
-    let line = |cells: Vec<String>| format!("  {} \\\\\n", cells.join(" & "));
-    let columns = columns(rows);
-    let alignment: String = columns.iter().map(|(_, is_number)| if *is_number { 'r' } else { 'l' }).collect();
-    let mut text = format!("\\begin{{tabular}}{{{alignment}}}\n  \\hline\n");
-    text += &line(columns.iter().map(|(name, _)| latex(&name.replace('_', " "))).collect());
-    text += "  \\hline\n";
-    text.extend(rows.iter().map(|row| line(row.iter().map(|(_, cell)| latex(&readable(cell).1)).collect())));
-    text + "  \\hline\n\\end{tabular}\n"
+    let [names, cells] = lines(rows, ["  ", " & ", " \\\\\n"], |text| latex(&readable(text).1));
+    let (names, alignment) = (names.replace("\\_", " "), marks(rows, ["r", "l"]).concat());
+    format!(
+        "\\begin{{tabular}}{{{alignment}}}\n  \\hline\n{names}  \\hline\n{cells}  \\hline\n\\end{{tabular}}\n"
+    )
 }
 
 /// Text that LaTeX prints as it is.
@@ -137,22 +127,6 @@ fn pixels(report: &Report) -> Vec<CsvRow> {
 /// A row: the name of each column, and its cell.
 type CsvRow = Vec<(&'static str, String)>;
 
-fn as_csv(rows: &[CsvRow]) -> String {
-    let mut text = String::new();
-    let mut line = |cells: &mut dyn Iterator<Item = &str>| {
-        let cells: Vec<String> = cells.map(quoted).collect();
-        text.push_str(&cells.join(","));
-        text.push_str("\r\n");
-    };
-    if let Some(first) = rows.first() {
-        line(&mut first.iter().map(|(name, _)| *name));
-    }
-    for row in rows {
-        line(&mut row.iter().map(|(_, cell)| cell.as_str()));
-    }
-    text
-}
-
 /// A cell in quotes where it needs them.
 fn quoted(cell: &str) -> String {
     if cell.contains([',', '"', '\n', '\r']) {
@@ -181,43 +155,52 @@ fn sweep_row(point: &Point) -> CsvRow {
     ]
 }
 
+fn stress_row(stressed: &StressPoint) -> CsvRow {
+    let mut row = vec![
+        ("disturbance", stressed.disturbance.clone()),
+        ("size", stressed.dial.to_string()),
+        ("unit", stressed.unit.clone()),
+        ("method", stressed.method.clone()),
+        ("loss_db", stressed.loss_db.to_string()),
+    ];
+    row.extend(sweep_row(&stressed.point));
+    row
+}
+
+fn camera_name(report: &Report, index: usize) -> String {
+    report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone())
+}
+
 fn replacements(report: &Report) -> Vec<CsvRow> {
-    let name =
-        |index: usize| report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone());
-    let pairs = report.witnesses.iter();
-    pairs
-        .filter(|(loser, winner, _)| loser != winner)
-        .map(|(loser, winner, count)| {
-            vec![("camera", name(loser)), ("replaced_by", name(winner)), ("samples", count.to_string())]
-        })
-        .collect()
+    let name = |index| camera_name(report, index);
+    let row = |(loser, winner, count): (usize, usize, &u64)| {
+        vec![("camera", name(loser)), ("replaced_by", name(winner)), ("samples", count.to_string())]
+    };
+    report.witnesses.iter().filter(|(loser, winner, _)| loser != winner).map(row).collect()
 }
 
 fn alignment(report: &Report) -> Vec<CsvRow> {
-    let cameras = report.alignment.iter().flat_map(|alignment| &alignment.cameras);
-    cameras
-        .map(|camera| {
-            let (pose, exposure) = (camera.pose.unwrap_or_default(), camera.exposure.unwrap_or_default());
-            vec![
-                ("camera", camera.name.clone()),
-                ("degrees", pose.degrees.to_string()),
-                ("degrees_se", pose.degrees_se.to_string()),
-                ("distance", pose.distance.to_string()),
-                ("distance_se", pose.distance_se.to_string()),
-                ("footprints", pose.footprints.to_string()),
-                ("red_stops", exposure.stops[0].to_string()),
-                ("green_stops", exposure.stops[1].to_string()),
-                ("blue_stops", exposure.stops[2].to_string()),
-                ("frames_late", camera.clock.unwrap_or_default().frames.to_string()),
-                ("pose_is_weak", camera.pose_is_weak.to_string()),
-            ]
-        })
-        .collect()
+    let row = |camera: &AlignedCamera| {
+        let (pose, exposure) = (camera.pose.unwrap_or_default(), camera.exposure.unwrap_or_default());
+        vec![
+            ("camera", camera.name.clone()),
+            ("degrees", pose.degrees.to_string()),
+            ("degrees_se", pose.degrees_se.to_string()),
+            ("distance", pose.distance.to_string()),
+            ("distance_se", pose.distance_se.to_string()),
+            ("footprints", pose.footprints.to_string()),
+            ("red_stops", exposure.stops[0].to_string()),
+            ("green_stops", exposure.stops[1].to_string()),
+            ("blue_stops", exposure.stops[2].to_string()),
+            ("frames_late", camera.clock.unwrap_or_default().frames.to_string()),
+            ("pose_is_weak", camera.pose_is_weak.to_string()),
+        ]
+    };
+    report.alignment.iter().flat_map(|alignment| &alignment.cameras).map(row).collect()
 }
 
 fn agreement(report: &Report) -> Vec<CsvRow> {
-    let name =
-        |index: usize| report.cameras.get(index).map_or_else(String::new, |camera| camera.name.clone());
+    let name = |index| camera_name(report, index);
     let mut rows = Vec::new();
     for (of, against, pair) in report.residuals.iter() {
         for (what, residual) in [("static", pair.lasting), ("moving", pair.moving)] {
@@ -240,7 +223,7 @@ fn pixel(state: &State) -> Option<Vec<CsvRow>> {
     let scene = state.doc.scene.as_ref()?;
     let explanation = state.doc.probe.shown.as_ref()?.explanation.as_ref()?;
     let number = |value: f64| if value.is_nan() { String::new() } else { value.to_string() };
-    let row = |row: &overlook_engine::preprocess::inspect::CameraEvidence| {
+    let row = |row: &CameraEvidence| {
         vec![
             ("camera", scene.cameras.get(row.camera).map_or_else(String::new, |camera| camera.name.clone())),
             ("visible", sees(row).0.to_owned()),
@@ -258,7 +241,7 @@ fn pixel(state: &State) -> Option<Vec<CsvRow>> {
 }
 
 fn cameras(report: &Report) -> Vec<CsvRow> {
-    let row = |camera: &overlook_engine::preprocess::diagnostics::CameraReport| {
+    let row = |camera: &CameraReport| {
         vec![
             ("camera", camera.name.clone()),
             ("pixels", camera.pixels.to_string()),
@@ -286,8 +269,7 @@ fn memory(state: &State) -> Option<Vec<CsvRow>> {
 }
 
 /// Frames are numbered from one, as in the window.
-fn span(report: &SpanReport) -> CsvRow {
-    let SpanReport { span, samples } = report;
+fn span(SpanReport { span, samples }: &SpanReport) -> CsvRow {
     vec![
         ("first_frame", (span.start + 1).to_string()),
         ("last_frame", span.end.to_string()),
@@ -335,57 +317,44 @@ fn resident() -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::rooms::charts::state::Found;
     use overlook_lab::sweep::Series;
     use overlook_lab::trial::{Trial, TrialResult};
 
     #[test]
-    fn a_table_has_a_line_of_names_and_one_per_point_and_quotes_what_needs_it() {
+    fn a_table_quotes_or_escapes_rounds_aligns_and_says_what_it_was_made_with_as_its_form_asks() {
         let mut state = State::default();
         assert_eq!(table_text(Table::Sweep, TableForm::Csv, &state), None);
-        let trial = Trial::new("spans.noise = 2, \"gather\"", Settings::default());
-        let point = Point::new(&trial, Series::Variation, &TrialResult::default());
-        state.doc.charts.add(point, (1, 1));
-        let text = table_text(Table::Sweep, TableForm::Csv, &state).unwrap();
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 2);
-        assert!(lines[0].starts_with("label,series,kernel,psnr_filled_db,"), "{text}");
-        assert!(lines[1].starts_with("\"spans.noise = 2, \"\"gather\"\"\","), "{text}");
-        assert_eq!(lines[0].split(',').count(), 14);
-    }
-
-    #[test]
-    fn a_table_in_a_text_rounds_aligns_escapes_and_says_what_it_was_made_with() {
-        let mut state = State::default();
         state.settings.pruning.depth_tolerance = 2.5;
-        let trial = Trial::new("50 % of a_b | {c}", Settings::default());
+        let trial = Trial::new("50 % of a_b | {c}, \"d\"", Settings::default());
         let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
         point.milliseconds = 12.345_678;
-        state.doc.charts.add(point, (1, 1));
-        let markdown = table_text(Table::Sweep, TableForm::Markdown, &state).unwrap();
+        state.doc.charts.add(Found::Sweep(point), (1, 1));
+        let text = |form| table_text(Table::Sweep, form, &state).unwrap();
+        let csv = text(TableForm::Csv);
+        let lines: Vec<&str> = csv.lines().collect();
+        assert_eq!((lines.len(), lines[0].split(',').count()), (2, 14));
+        assert!(lines[0].starts_with("label,series,kernel,psnr_filled_db,"), "{csv}");
+        assert!(lines[1].starts_with("\"50 % of a_b | {c}, \"\"d\"\"\","), "{csv}");
+        let markdown = text(TableForm::Markdown);
         let lines: Vec<&str> = markdown.lines().collect();
         assert!(lines[0].starts_with("| label | series | kernel | psnr filled db |"), "{markdown}");
         assert!(lines[1].starts_with("| --- | --- | --- | ---: |"), "{markdown}");
         assert!(
-            lines[2].starts_with("| 50 % of a_b \\| {c} |") && lines[2].contains("| 12.3 |"),
+            lines[2].starts_with("| 50 % of a_b \\| {c}, \"d\" |") && lines[2].contains("| 12.3 |"),
             "{markdown}"
         );
         assert!(
             markdown.contains("Overlook ") && markdown.contains("pruning.depth_tolerance = 2.5"),
             "{markdown}"
         );
-        let latex = table_text(Table::Sweep, TableForm::Latex, &state).unwrap();
+        let latex = text(TableForm::Latex);
         assert!(latex.starts_with("\\begin{tabular}{lllrrrrrrrrrrl}"), "{latex}");
         assert!(
-            latex.contains("  50 \\% of a\\_b | \\{c\\} & ") && latex.contains("\\end{tabular}\n% "),
+            latex.contains("  50 \\% of a\\_b | \\{c\\}, \"d\" & ") && latex.contains("\\end{tabular}\n% "),
             "{latex}"
         );
         let cells = |line: &str| line.matches(" & ").count();
         assert!(latex.lines().filter(|line| line.ends_with("\\\\")).all(|line| cells(line) == 13), "{latex}");
-    }
-
-    #[test]
-    fn a_window_with_nothing_open_holds_no_samples() {
-        let parts = State::default().held_memory();
-        assert!(parts.iter().all(|(name, bytes)| *name == "The whole program" && *bytes > 0), "{parts:?}");
     }
 }

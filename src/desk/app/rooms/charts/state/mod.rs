@@ -17,10 +17,38 @@ use overlook_engine::error::{Error, Result};
 use overlook_engine::plural::counted;
 use overlook_engine::settings::Settings;
 use overlook_lab::chart::Scale;
-use overlook_lab::stress::{Disturbance, StressPoint};
-use overlook_lab::sweep::{self, Point};
+use overlook_lab::stress::{Disturbance, StressPlan, StressPoint};
+use overlook_lab::sweep::{self, Point, SweepPlan};
 use overlook_lab::truth::Truth;
-use overlook_lab::tune::{CameraWorth, Tuned};
+use overlook_lab::tune::{CameraWorth, RankPlan, TunePlan, Tuned};
+
+/// What a study measures.
+pub(crate) enum StudyPlan {
+    Sweep(SweepPlan),
+    Stress(StressPlan),
+    Tuning(Box<TunePlan>),
+    Ranking(RankPlan),
+}
+
+impl StudyPlan {
+    /// Measurements that are not known yet.
+    pub(crate) fn open(&self, capture: &Capture, truth: &Truth) -> usize {
+        match self {
+            Self::Sweep(plan) => plan.open(),
+            Self::Stress(plan) => plan.open(capture, truth),
+            Self::Tuning(plan) => plan.open(),
+            Self::Ranking(_) => capture.cameras.len(),
+        }
+    }
+}
+
+/// What a study measured last.
+pub(crate) enum Found {
+    Sweep(Point),
+    Stress(StressPoint),
+    Tuning(Point),
+    Ranking(CameraWorth),
+}
 
 /// The question what to measure.
 pub(crate) struct StudyQuestion {
@@ -35,11 +63,9 @@ pub(crate) struct StudyQuestion {
 struct StudyRun {
     /// The settings it starts from.
     settings: Settings,
-    /// What is measured of it.
     choice: StudyChoice,
     /// Points that are known, of how many.
     known: (usize, usize),
-    /// Whether there is nothing left to measure.
     is_complete: bool,
 }
 
@@ -53,7 +79,7 @@ impl StudyRun {
 pub(crate) struct Charts {
     /// Points of the sweep, as they came.
     pub sweep: Vec<Point>,
-    /// Points of the stress test, as they came.
+    /// Points of the stress test, in the order of its tables.
     pub stress: Vec<StressPoint>,
     pub disturbance: String,
     /// Along and up.
@@ -70,9 +96,7 @@ pub(crate) struct Charts {
     pub ranking: Vec<CameraWorth>,
     /// The edits that the ranked cameras were left by.
     pub ranked_edits: EditList,
-    /// Whether the ranking is closed.
     pub hides_ranking: bool,
-    /// The question what to measure, while it is open.
     pub question: Option<StudyQuestion>,
     /// What is chosen to be measured of each study.
     choices: [StudyChoice; Study::COUNT],
@@ -122,28 +146,37 @@ impl Charts {
         Self { axes, dial_scale, hidden, choices, ..Self::default() }
     }
 
-    /// Adds a point of the sweep; `known` are known then, of how many.
-    pub(crate) fn add(&mut self, point: Point, known: (usize, usize)) {
-        self.sweep.push(point);
-        self.note(Study::Sweep, known);
-        self.mark_front();
+    /// Adds what was measured; `known` is known then, of how much.
+    pub(crate) fn add(&mut self, found: Found, known: (usize, usize)) {
+        let study = match found {
+            Found::Sweep(point) => {
+                self.sweep.push(point);
+                self.mark_front();
+                Study::Sweep
+            }
+            Found::Stress(point) => {
+                self.add_stressed(point);
+                Study::Stress
+            }
+            Found::Tuning(point) => {
+                self.tuning.push(point);
+                Study::Tuning
+            }
+            Found::Ranking(camera) => {
+                self.ranking.push(camera);
+                CameraWorth::sort(&mut self.ranking);
+                Study::Ranking
+            }
+        };
+        let now = Instant::now();
+        let before = self.last_point.replace(now);
+        self.seconds_each[study as usize] = before.map(|before| (now - before).as_secs_f64());
+        if let Some(run) = &mut self.runs[study as usize] {
+            run.known = known;
+        }
     }
 
-    /// Adds a point of tuning; `known` are known then, of how many.
-    pub(crate) fn add_tuning(&mut self, point: Point, known: (usize, usize)) {
-        self.tuning.push(point);
-        self.note(Study::Tuning, known);
-    }
-
-    /// Adds a camera to the ranking; `known` are known then, of how many.
-    pub(crate) fn add_ranked(&mut self, camera: CameraWorth, known: (usize, usize)) {
-        self.ranking.push(camera);
-        CameraWorth::sort(&mut self.ranking);
-        self.note(Study::Ranking, known);
-    }
-
-    /// Adds a point of the stress test; `known` are known then, of how many.
-    pub(crate) fn add_stressed(&mut self, point: StressPoint, known: (usize, usize)) {
+    fn add_stressed(&mut self, point: StressPoint) {
         if std::mem::take(&mut self.is_of_previous_test) {
             self.stress.clear();
         }
@@ -153,19 +186,8 @@ impl Charts {
             Disturbance::ALL.iter().position(|disturbance| disturbance.name() == point.disturbance)
         };
         self.stress.sort_by(|a, b| rank(a).cmp(&rank(b)).then(a.dial.total_cmp(&b.dial)));
-        self.note(Study::Stress, known);
     }
 
-    fn note(&mut self, study: Study, known: (usize, usize)) {
-        let now = Instant::now();
-        let before = self.last_point.replace(now);
-        self.seconds_each[study as usize] = before.map(|before| (now - before).as_secs_f64());
-        if let Some(run) = &mut self.runs[study as usize] {
-            run.known = known;
-        }
-    }
-
-    /// Along and up.
     pub(crate) fn axes(&self) -> [ShownAxis; 2] {
         self.axes
     }
@@ -247,8 +269,30 @@ impl Charts {
     }
 
     /// The points of the stress test that was begun.
-    pub(crate) fn known_stress(&self) -> Vec<StressPoint> {
+    fn known_stress(&self) -> Vec<StressPoint> {
         if self.is_of_previous_test { Vec::new() } else { self.stress.clone() }
+    }
+
+    /// What is chosen to be measured from `settings`, and what is known of it.
+    pub(crate) fn plan(&self, study: Study, settings: &Settings, capture: &Capture) -> StudyPlan {
+        let choice = self.choice(study);
+        match study {
+            Study::Sweep => {
+                let plan = choice.sweep_plan(settings, capture);
+                StudyPlan::Sweep(SweepPlan { done: self.sweep.clone(), ..plan })
+            }
+            Study::Stress => {
+                StudyPlan::Stress(StressPlan { done: self.known_stress(), ..choice.stress_plan(settings) })
+            }
+            Study::Tuning => {
+                let plan = choice.tune_plan(settings);
+                StudyPlan::Tuning(Box::new(TunePlan { done: self.tuning.clone(), ..plan }))
+            }
+            Study::Ranking => {
+                let (edits, done) = (self.ranked_edits.clone(), self.ranking.clone());
+                StudyPlan::Ranking(RankPlan { settings: settings.clone(), edits, done })
+            }
+        }
     }
 
     pub(crate) fn complete(&mut self) {
@@ -346,15 +390,15 @@ mod tests {
     use overlook_lab::sweep::Series;
     use overlook_lab::trial::{Fineness, Trial, TrialResult};
 
-    fn point(label: &str, psnr: f64, bytes: u64, seconds: f64) -> Point {
+    fn point(label: &str, psnr: f64, bytes: u64, seconds: f64) -> Found {
         let trial = Trial::new(label, Settings::default());
         let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
         (point.psnr_filled_db, point.bytes, point.seconds_preprocess) = (psnr, bytes, seconds);
-        point
+        Found::Sweep(point)
     }
 
     #[test]
-    fn the_best_are_those_of_the_quantities_that_are_shown() {
+    fn the_best_are_those_of_the_quantities_that_are_shown_where_axes_can_show_them() {
         let mut charts = Charts::default();
         for (label, psnr, bytes, seconds) in
             [("small", 20.0, 10, 9.0), ("good", 30.0, 1000, 3.0), ("fast", 10.0, 100, 1.0)]
@@ -367,10 +411,7 @@ mod tests {
         let logarithm = 3.0_f64.log10();
         assert_eq!(charts.front(), [[10.0, 0.0], [30.0, logarithm]]);
         assert_eq!(Quantity::Seconds.axis_name(), "Reading and pruning, s (lower is better)");
-    }
-
-    #[test]
-    fn points_without_a_logarithm_are_left_out_of_logarithmic_axes_alone() {
+        // What has no logarithm is left out of logarithmic axes alone.
         let mut charts = Charts::default();
         charts.add(point("free", 20.0, 0, 0.0), (1, 2));
         charts.add(point("good", 30.0, 100, 1.0), (2, 2));
@@ -439,7 +480,7 @@ mod tests {
         let mut charts = Charts::default();
         for series in [Series::Random, Series::SingleCamera, Series::NoPruning, Series::VoxelGrid] {
             let trial = Trial::new(series.name(), settings.clone());
-            charts.add(Point::new(&trial, series, &TrialResult::default()), (1, 4));
+            charts.add(Found::Sweep(Point::new(&trial, series, &TrialResult::default())), (1, 4));
         }
         assert_eq!(charts.of(&settings).map(|point| point.series), Some(Series::NoPruning));
     }

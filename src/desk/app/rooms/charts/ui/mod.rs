@@ -11,8 +11,8 @@ use egui_material_icons::icons::{ICON_MONITORING, ICON_SCATTER_PLOT};
 use egui_plot::{Line, MarkerShape, Plot, PlotPoints, Points};
 
 use super::state::axis::{
-    FRONT, Quantity, START, ShownAxis, TICKS, coordinate, kernel_name, method_name, place, point_name,
-    series_name, settings_alone,
+    FRONT, Quantity, START, ShownAxis, coordinate, kernel_name, method_name, place, point_name, series_name,
+    settings_alone,
 };
 use super::state::{Charts, Study, StudyChoice};
 use crate::app::camera_cues;
@@ -28,7 +28,6 @@ use overlook_lab::sweep::{Point, Series};
 use overlook_lab::trial::Fineness;
 use parts::{
     HINT, Mark, left_out_words, legend_ui, nearest, no_points_ui, plot, scale_ui, shape, study_button,
-    tick_values,
 };
 
 /// Name of the ring in the chart.
@@ -87,9 +86,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
     let count = placed.len();
     let hint = format!("{}; click {} to apply it", counted(count, "setting"), either(count, "it", "one"));
-    let left_out = left_out_words(shown.len() - count);
-    let hint = [hint, left_out].into_iter().filter(|words| !words.is_empty()).collect::<Vec<_>>().join("; ");
-    one_line(ui, hint, tokens.text_weak);
+    let left_out = left_out_words(shown.len() - count).map_or_else(String::new, |words| format!("; {words}"));
+    one_line(ui, hint + &left_out, tokens.text_weak);
     plot.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
     if let Some((point, _)) = plot.inner.and_then(|index| placed.get(index)) {
         if let Some(settings) = settings_alone(point).filter(|_| plot.response.clicked()) {
@@ -162,17 +160,8 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
 }
 
 fn sweep_plot<'a>(ui: &Ui, axes: [ShownAxis; 2], places: &[[f64; 2]], height: f32) -> Plot<'a> {
-    let axis = |ShownAxis { quantity, scale }: ShownAxis| {
-        move |tick: egui_plot::GridMark, shown: &std::ops::RangeInclusive<f64>| {
-            let (tick, ends) = tick_values(tick, shown, scale);
-            quantity.tick_words(tick, ends, scale)
-        }
-    };
-    let names = axes.map(|axis| axis.quantity.axis_name());
-    let mut plot = plot("tradeoff", ui, names, axes.map(|axis| axis.scale), height)
-        .x_axis_formatter(axis(axes[0]))
-        .y_axis_formatter(axis(axes[1]))
-        .set_margin_fraction(egui::vec2(0.06, 0.08));
+    let shown = axes.map(|ShownAxis { quantity, scale }| (quantity.axis_name(), scale, Some(quantity)));
+    let mut plot = plot("tradeoff", ui, shown, height).set_margin_fraction(egui::vec2(0.06, 0.08));
     if let Some([low, high]) = around(places.iter().map(|place| place[0]), axes[0].scale) {
         plot = plot.include_x(low).include_x(high);
     }
@@ -195,23 +184,17 @@ fn around(values: impl Iterator<Item = f64>, scale: Scale) -> Option<[f64; 2]> {
 pub(crate) fn stability_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let charts = &state.doc.charts;
     let names = distinct(charts.stress.iter().map(|point| point.disturbance.as_str()));
-    let Some(first) = names.first() else {
+    let Some(first) = names.first().copied() else {
         let text = "A stress test disturbs the capture more and more (noise, miscalibrated cameras, thin things) and draws \
                     when accuracy breaks: with these settings, with noise handling off, and as in the paper.";
         no_points_ui(ui, state, Study::Stress, ICON_MONITORING, text, commands);
         return;
     };
-    let chosen =
-        if names.contains(&charts.disturbance.as_str()) { charts.disturbance.as_str() } else { first };
+    let chosen = names.iter().copied().find(|name| *name == charts.disturbance).unwrap_or(first);
     ui.horizontal_wrapped(|ui| {
-        let choices: Vec<_> = names
-            .iter()
-            .enumerate()
-            .map(|(index, name)| (index, model::words(name), String::new()))
-            .collect();
-        let now = names.iter().position(|name| *name == chosen).unwrap_or(0);
-        if let Some(index) = choice_ui(ui, "Disturbance", now, &choices, 150.0) {
-            commands.push(Command::Chart(ChartCommand::Disturbance(names[index].to_owned())));
+        let choices: Vec<_> = names.iter().map(|name| (*name, model::words(name), String::new())).collect();
+        if let Some(name) = choice_ui(ui, "Disturbance", chosen, &choices, 150.0) {
+            commands.push(Command::Chart(ChartCommand::Disturbance(name.to_owned())));
         }
         if let Some(scale) = scale_ui(ui, "Disturbance axis", charts.dial_scale) {
             commands.push(Command::Chart(ChartCommand::DialScale(scale)));
@@ -260,20 +243,12 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, charts: &Charts, commands: 
     let entries = looks.map(|(shape, color, name)| (Mark::Points(shape), color, name));
     legend_ui(ui, charts, Study::Stress, entries, commands);
     let unit = here.first().map_or("", |point| point.unit.as_str());
-    let names = [format!("{} ({unit})", model::words(disturbance)), Quantity::Psnr.axis_name()];
+    let along = (format!("{} ({unit})", model::words(disturbance)), scale, None);
+    let up = (Quantity::Psnr.axis_name(), Scale::Linear, Some(Quantity::Psnr));
     let left_out = left_out_words(shown.len() - placed.len());
-    let room = if left_out.is_empty() { 0.0 } else { HINT };
+    let room = left_out.as_ref().map_or(0.0, |_| HINT);
     let height = (ui.available_height() - room).max(40.0);
-    let number = |scale: Scale| {
-        move |tick: egui_plot::GridMark, shown: &std::ops::RangeInclusive<f64>| {
-            let (tick, [low, high]) = tick_values(tick, shown, scale);
-            scale.label(tick, low, high, TICKS)
-        }
-    };
-    let plot = plot("stability", ui, names, [scale, Scale::Linear], height)
-        .x_axis_formatter(number(scale))
-        .y_axis_formatter(number(Scale::Linear));
-    let plot = plot.show(ui, |plot_ui| {
+    let plot = plot("stability", ui, [along, up], height).show(ui, |plot_ui| {
         for method in &methods {
             let (shape, color, name) = look(method, &tokens);
             let of_method = placed.iter().filter(|(point, _)| point.method == *method);
@@ -283,8 +258,8 @@ fn stability_plot_ui(ui: &mut Ui, disturbance: &str, charts: &Charts, commands: 
         }
         nearest(plot_ui, placed.iter().map(|(_, place)| *place))
     });
-    if !left_out.is_empty() {
-        one_line(ui, left_out, Tokens::in_ui(ui).text_weak);
+    if let Some(words) = left_out {
+        one_line(ui, words, tokens.text_weak);
     }
     plot.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Stress test chart"));
     if let Some((point, _)) = plot.inner.and_then(|index| placed.get(index)) {

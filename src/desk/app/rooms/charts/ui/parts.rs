@@ -9,7 +9,7 @@ use egui_plot::{GridMark, MarkerShape, Plot, PlotPoint, PlotUi};
 use crate::app::model::command::{ChartCommand, FileCommand};
 use crate::app::model::purpose::Purpose;
 use crate::app::model::{Command, Commands, State};
-use crate::app::rooms::charts::state::axis::TICKS;
+use crate::app::rooms::charts::state::axis::{Quantity, TICKS};
 use crate::app::rooms::charts::state::{Charts, Study};
 use crate::app::theme::Tokens;
 use crate::app::widgets::empty_ui;
@@ -231,11 +231,6 @@ fn ticks(low: f64, high: f64, scale: Scale) -> Vec<GridMark> {
     inside.map(|value| GridMark { value, step_size }).collect()
 }
 
-/// The values at a tick and at both ends of the axis that shows these coordinates.
-pub(crate) fn tick_values(tick: GridMark, shown: &RangeInclusive<f64>, scale: Scale) -> (f64, [f64; 2]) {
-    (value_at(tick.value, scale), [*shown.start(), *shown.end()].map(|at| value_at(at, scale)))
-}
-
 /// The longest part of an axis's name that fits into its length: without what is in brackets, and up to the first comma.
 fn fitted(ui: &Ui, name: &str, length: f32) -> String {
     let before = |mark: &str| name.split(mark).next().unwrap_or_default();
@@ -249,32 +244,40 @@ fn fitted(ui: &Ui, name: &str, length: f32) -> String {
 /// Room that the ticks and the name of an axis take.
 const AXIS: f32 = 44.0;
 
+/// An axis of a plot: its name, its scale, and the quantity along it where that has ticks of its own.
+pub(crate) type PlotAxis = (String, Scale, Option<Quantity>);
+
 /// A plot of a height, with named axes and round ticks.
-pub(crate) fn plot<'a>(
-    id: &'static str,
-    ui: &Ui,
-    [x, y]: [String; 2],
-    scales: [Scale; 2],
-    height: f32,
-) -> Plot<'a> {
+pub(crate) fn plot<'a>(id: &'static str, ui: &Ui, [x, y]: [PlotAxis; 2], height: f32) -> Plot<'a> {
+    let words = |(_, scale, quantity): &PlotAxis| {
+        let (scale, quantity) = (*scale, *quantity);
+        move |tick: GridMark, shown: &RangeInclusive<f64>| {
+            let [tick, low, high] = [tick.value, *shown.start(), *shown.end()].map(|at| value_at(at, scale));
+            match quantity {
+                Some(quantity) => quantity.tick_words(tick, [low, high], scale),
+                None => scale.label(tick, low, high, TICKS),
+            }
+        }
+    };
     Plot::new(id)
         .height(height)
-        .x_axis_label(fitted(ui, &x, ui.available_width() - AXIS))
-        .y_axis_label(fitted(ui, &y, height - AXIS))
-        .x_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, scales[0]))
-        .y_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, scales[1]))
+        .x_axis_label(fitted(ui, &x.0, ui.available_width() - AXIS))
+        .y_axis_label(fitted(ui, &y.0, height - AXIS))
+        .x_axis_formatter(words(&x))
+        .y_axis_formatter(words(&y))
+        .x_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, x.1))
+        .y_grid_spacer(move |grid| ticks(grid.bounds.0, grid.bounds.1, y.1))
         .grid_color(Tokens::in_ui(ui).border)
         // Coordinates are logarithms on a logarithmic axis: what is pointed at has words of its own.
         .label_formatter(|_| None)
         .allow_scroll(false)
 }
 
-/// What is said of points that an axis cannot show; nothing of none.
-pub(crate) fn left_out_words(count: usize) -> String {
-    match count {
-        0 => String::new(),
-        count => format!("{} left out: no place on these axes for zero or infinity", counted(count, "point")),
-    }
+/// What is said of points that an axis cannot show; `None` without any.
+pub(crate) fn left_out_words(count: usize) -> Option<String> {
+    let words =
+        || format!("{} left out: no place on these axes for zero or infinity", counted(count, "point"));
+    (count > 0).then(words)
 }
 
 #[cfg(test)]

@@ -1,33 +1,30 @@
 //! What became of all pixels, as bars that are always in view: what is kept, and for each reason what is dropped.
 
-use egui::{
-    Align, Align2, Color32, Layout, Rect, Response, RichText, ScrollArea, Sense, TextStyle, Ui, pos2, vec2,
-};
-use egui_extras::{Column, TableBuilder};
+use egui::{Align2, Color32, Rect, Response, RichText, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
+use egui_extras::Column;
 
 use crate::app::colormap::sequential;
 use crate::app::model::look::Unit;
 use crate::app::model::{self, Commands, State};
 use crate::app::rooms::compare::compare_with;
 use crate::app::rooms::compare::state::CompareSide;
-use crate::app::rooms::report::ui::pairs::{PairCell, order, pairs_ui, short};
+use crate::app::rooms::report::ui::pairs::{PairCell, order, pairs_ui};
+use crate::app::rooms::report::ui::{ROW, SCROLLED, camera_table_ui, name_ui};
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{dot, note, weak};
+use crate::app::widgets::{note, weak};
 use overlook_engine::alignment::{AlignedCamera, Alignment};
 use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
 
 /// Least width of a bar with its name, points. Where they have less, the least shares have no bar.
 const LEAST_WIDTH: f32 = 78.0;
 
-/// Between two bars, points.
+/// Between two bars, and the height of each, points.
 const GAP: f32 = 10.0;
+const BAR: f32 = 7.0;
 
 /// Shares below this have no bar: 0.1 %.
 const LEAST_SHARE: f32 = 0.001;
-
-/// Height of a bar, points.
-const BAR: f32 = 7.0;
 
 /// A share of all pixels.
 struct Cause {
@@ -40,7 +37,7 @@ struct Cause {
 /// Every share that is not nearly nothing, in the order in which pixels are lost.
 fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
     let cause = |name, pixels, color, help| Cause { name, pixels, color, help };
-    let mut all = vec![
+    let all = vec![
         cause("Kept", account.kept, tokens.moving, "Samples that stay."),
         cause(
             "Repeated",
@@ -67,12 +64,9 @@ fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
             tokens.error,
             "More cameras look past the point than confirm it.",
         ),
+        cause("Cut by hand", account.cut, tokens.text, "An edit deletes it."),
     ];
-    if account.cut > 0 {
-        all.push(cause("Cut by hand", account.cut, tokens.text, "An edit deletes it."));
-    }
-    all.retain(|cause| share(cause, account) >= LEAST_SHARE);
-    all
+    all.into_iter().filter(|cause| share(cause, account) >= LEAST_SHARE).collect()
 }
 
 /// The bars in the room that is left; nothing where that is too little.
@@ -164,12 +158,6 @@ pub(crate) fn alignment_ui(ui: &mut Ui, state: &State, report: &Report, commands
     ui.add_space(space::LARGE);
 }
 
-/// Height of a row of the table.
-const ROW: f32 = 20.0;
-
-/// Cameras from which on the table is scrolled by itself.
-const SCROLLED: usize = 16;
-
 /// Cameras whose poses stay unknown that are named.
 const TOLD: usize = 3;
 
@@ -233,43 +221,23 @@ fn corrections_ui(ui: &mut Ui, alignment: &Alignment, order: &[usize], unit: Uni
     let rows = 2.0 + order.len().min(SCROLLED) as f32;
     let height = rows * (ROW + ui.spacing().item_spacing.y);
     let scroll = ScrollArea::horizontal().id_salt("corrections").max_height(height);
+    let name = ("Camera", Column::initial(96.0).clip(true), "Name of the camera.");
+    let others =
+        columns.iter().map(|(title, width, help, _)| (title.as_str(), Column::initial(*width), *help));
+    let heads: Vec<_> = std::iter::once(name).chain(others).collect();
     scroll.auto_shrink([false, true]).show(ui, |ui| {
-        let mut table =
-            TableBuilder::new(ui).id_salt("corrections").striped(true).vscroll(order.len() > SCROLLED);
-        table = table.cell_layout(Layout::left_to_right(Align::Center));
-        table = table.column(Column::initial(96.0).clip(true));
-        for (_, width, ..) in &columns {
-            table = table.column(Column::initial(*width));
-        }
-        let table = table.max_scroll_height(SCROLLED as f32 * ROW).header(ROW, |mut header| {
-            header.col(|ui| {
-                note(ui, "Camera").on_hover_text("Name of the camera.");
-            });
-            for (title, _, help, _) in &columns {
-                header.col(|ui| {
-                    note(ui, title).on_hover_text(*help);
-                });
-            }
-        });
-        table.body(|body| {
-            body.rows(ROW, order.len(), |mut row| {
-                let index = order[row.index()];
-                let camera = &cameras[index];
-                row.col(|ui| {
-                    dot(ui, index);
-                    let help = camera.sentence();
-                    let help = help.unwrap_or_else(|| format!("{}: nothing was corrected", camera.name));
-                    ui.label(short(&camera.name, 14)).on_hover_text(help);
-                });
-                for (title, .., cell) in &columns {
-                    row.col(|ui| {
-                        let is_unknown = camera.pose.is_none() && camera.pose_is_weak && title == "Angle";
-                        let color = if is_unknown { tokens.warning } else { tokens.text };
-                        let words = if is_unknown { Some("stays".to_owned()) } else { cell(camera) };
-                        ui.label(RichText::new(words.as_deref().unwrap_or("–")).color(color));
-                    });
-                }
-            });
+        camera_table_ui(ui, "corrections", order, &heads, |ui, column, index| {
+            let camera = &cameras[index];
+            let Some((title, .., cell)) = column.checked_sub(1).map(|column| &columns[column]) else {
+                let help = camera.sentence();
+                let help = help.unwrap_or_else(|| format!("{}: nothing was corrected", camera.name));
+                name_ui(ui, index, &camera.name, &help);
+                return;
+            };
+            let is_unknown = camera.pose.is_none() && camera.pose_is_weak && title == "Angle";
+            let color = if is_unknown { tokens.warning } else { tokens.text };
+            let words = if is_unknown { Some("stays".to_owned()) } else { cell(camera) };
+            ui.label(RichText::new(words.as_deref().unwrap_or("–")).color(color));
         });
     });
 }

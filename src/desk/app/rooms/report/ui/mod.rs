@@ -104,23 +104,11 @@ fn rules_ui(ui: &mut Ui, report: &Report) {
     }
     for (rule, count) in rules {
         let (words, help) = rule_words(rule);
-        let figure = format!("{}  {}", model::count(count), model::percent(count, report.samples_in));
-        share_ui(
-            ui,
-            &words,
-            &figure,
-            count as f32 / report.samples_in.max(1) as f32,
-            tokens.static_over_time,
-        )
-        .on_hover_text(help);
+        let part = [count, report.samples_in];
+        share_ui(ui, &words, model::count, part, tokens.static_over_time).on_hover_text(help);
     }
-    let kept = format!(
-        "{}  {}",
-        model::count(report.samples_kept),
-        model::percent(report.samples_kept, report.samples_in)
-    );
-    let share = report.samples_kept as f32 / report.samples_in.max(1) as f32;
-    share_ui(ui, "Kept", &kept, share, tokens.moving).on_hover_text("Samples that stay.");
+    let kept = [report.samples_kept, report.samples_in];
+    share_ui(ui, "Kept", model::count, kept, tokens.moving).on_hover_text("Samples that stay.");
 }
 
 /// How much darker the rim of a bar is.
@@ -130,15 +118,23 @@ const RIM: f32 = 0.35;
 const SHARE_ROW: f32 = 28.0;
 const SHARE_BAR: f32 = 6.0;
 
-/// A name, a figure, and a bar of the share below them.
-pub(crate) fn share_ui(ui: &mut Ui, name: &str, figure: &str, share: f32, color: Color32) -> egui::Response {
+/// A name, a part in words and as a share of the whole, and a bar of that share below them.
+fn share_ui(
+    ui: &mut Ui,
+    name: &str,
+    words: fn(u64) -> String,
+    [part, whole]: [u64; 2],
+    color: Color32,
+) -> egui::Response {
     let tokens = Tokens::in_ui(ui);
+    let figure = format!("{}  {}", words(part), model::percent(part, whole));
+    let share = part as f32 / whole.max(1) as f32;
     let size = vec2(ui.available_width(), SHARE_ROW);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter();
     let font = egui::TextStyle::Body.resolve(ui.style());
     painter.text(rect.left_top(), egui::Align2::LEFT_TOP, name, font.clone(), tokens.text);
-    painter.text(rect.right_top(), egui::Align2::RIGHT_TOP, figure, font, tokens.text_weak);
+    painter.text(rect.right_top(), egui::Align2::RIGHT_TOP, &figure, font, tokens.text_weak);
     let rail = Rect::from_min_max(
         egui::pos2(rect.left(), rect.bottom() - 2.0 - SHARE_BAR),
         rect.max - vec2(0.0, 2.0),
@@ -171,64 +167,71 @@ fn measured(camera: &CameraReport) -> String {
     )
 }
 
-/// Height of a row of the table of cameras.
-const CAMERA_ROW: f32 = 20.0;
-
 fn cameras_ui(ui: &mut Ui, report: &Report) {
     ui.heading("Cameras");
-    let kept = |index: usize| report.cameras[index].background_kept + report.cameras[index].foreground_kept;
-    let order = order(report);
     let frames = report.foreground_per_frame.len().max(1) as u64;
-    let columns =
-        [Column::remainder().clip(true), Column::initial(66.0), Column::initial(60.0), Column::initial(50.0)];
-    let mut table = TableBuilder::new(ui).id_salt("cameras").striped(true).vscroll(order.len() > SCROLLED);
-    table = table.cell_layout(Layout::left_to_right(Align::Center));
-    for column in columns {
-        table = table.column(column);
-    }
-    let table = table.max_scroll_height(SCROLLED as f32 * CAMERA_ROW).header(CAMERA_ROW, |mut header| {
-        for (title, help) in [
-            ("Name", "Name of the camera."),
-            ("Kept", "Samples kept of all its pixels."),
-            ("Static", "Share of its pixels that are the same over all frames."),
-            ("Noise", "Measured color noise of static pixels, in 8-bit steps."),
-        ] {
-            header.col(|ui| {
-                note(ui, title).on_hover_text(help);
-            });
-        }
-    });
-    table.body(|body| {
-        body.rows(CAMERA_ROW, order.len(), |mut row| {
-            let index = order[row.index()];
-            let camera = &report.cameras[index];
-            row.col(|ui| {
-                dot(ui, index);
-                ui.label(short(&camera.name, 14)).on_hover_text(&camera.name);
-            });
-            row.col(|ui| {
-                ui.label(model::count(kept(index)));
-            });
-            row.col(|ui| {
-                ui.label(model::percent(camera.background_pixels, camera.pixels / frames));
-            });
-            row.col(|ui| {
-                ui.label(format!("{:.2}", camera.color_noise_steps)).on_hover_text(measured(camera));
-            });
-        });
+    let columns = [
+        ("Name", Column::remainder().clip(true), "Name of the camera."),
+        ("Kept", Column::initial(66.0), "Samples kept of all its pixels."),
+        ("Static", Column::initial(60.0), "Share of its pixels that are the same over all frames."),
+        ("Noise", Column::initial(50.0), "Measured color noise of static pixels, in 8-bit steps."),
+    ];
+    camera_table_ui(ui, "cameras", &order(report), &columns, |ui, column, index| {
+        let camera = &report.cameras[index];
+        match column {
+            0 => name_ui(ui, index, &camera.name, &camera.name),
+            1 => ui.label(model::count(camera.background_kept + camera.foreground_kept)),
+            2 => ui.label(model::percent(camera.background_pixels, camera.pixels / frames)),
+            _ => ui.label(format!("{:.2}", camera.color_noise_steps)).on_hover_text(measured(camera)),
+        };
     });
 }
+
+/// The sign and the name of a camera.
+fn name_ui(ui: &mut Ui, camera: usize, name: &str, help: &str) -> egui::Response {
+    dot(ui, camera);
+    ui.label(short(name, 14)).on_hover_text(help)
+}
+
+/// Height of a row of a table of cameras.
+const ROW: f32 = 20.0;
 
 /// Cameras from which on their table is scrolled by itself.
 const SCROLLED: usize = 16;
 
-/// Height of a figure with its name.
+/// A row for each camera in `order`: title, width and meaning of the columns, and what shows a column by its place and a camera.
+fn camera_table_ui(
+    ui: &mut Ui,
+    id: &str,
+    order: &[usize],
+    columns: &[(&str, Column, &str)],
+    cell_ui: impl Fn(&mut Ui, usize, usize),
+) {
+    let mut table = TableBuilder::new(ui).id_salt(id).striped(true).vscroll(order.len() > SCROLLED);
+    table = table.cell_layout(Layout::left_to_right(Align::Center));
+    for (_, width, _) in columns {
+        table = table.column(*width);
+    }
+    let table = table.max_scroll_height(SCROLLED as f32 * ROW).header(ROW, |mut header| {
+        for (title, _, help) in columns {
+            header.col(|ui| {
+                note(ui, *title).on_hover_text(*help);
+            });
+        }
+    });
+    table.body(|body| {
+        body.rows(ROW, order.len(), |mut row| {
+            let camera = order[row.index()];
+            for column in 0..columns.len() {
+                row.col(|ui| cell_ui(ui, column, camera));
+            }
+        });
+    });
+}
+
+/// Height of a figure with its name, and the gaps between it and its note, and between that and the next figure.
 const FIGURE: f32 = 38.0;
-
-/// Between a figure and its note.
 const GAP: f32 = 6.0;
-
-/// Between a note and the next figure.
 const MARGIN: f32 = 14.0;
 
 /// A figure with its name.
@@ -296,26 +299,21 @@ fn figure_ui(ui: &mut Ui, figure: &KeyFigure, stale: bool) {
     ui.set_min_width(ui.available_width());
     ui.set_max_width(ui.available_width() - MARGIN);
     ui.spacing_mut().item_spacing = vec2(GAP, 1.0);
-    let name = RichText::new(figure.name).small().color(tokens.text_weak);
-    let note = if stale { STALE } else { &figure.note };
-    let color = if stale { tokens.text_weak } else { tokens.text };
-    let response = ui
-        .vertical(|ui| {
-            ui.label(name);
-            ui.horizontal(|ui| {
-                ui.label(RichText::new(&figure.value).text_style(figure_style()).color(color));
-                let note_color = if stale { tokens.warning } else { tokens.text_weak };
-                one_line(ui, note, note_color);
-            });
-        })
-        .response;
-    let mut help = figure.help.clone();
-    if stale {
-        help.push_str(
-            " A setting was changed since; the number is out of date until the capture is pruned again.",
-        );
-    }
-    response.on_hover_text(help);
+    let (words, color, note_color, more) = if stale {
+        let more =
+            " A setting was changed since; the number is out of date until the capture is pruned again.";
+        (STALE, tokens.text_weak, tokens.warning, more)
+    } else {
+        (figure.note.as_str(), tokens.text, tokens.text_weak, "")
+    };
+    let shown = ui.vertical(|ui| {
+        note(ui, figure.name);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(&figure.value).text_style(figure_style()).color(color));
+            one_line(ui, words, note_color);
+        });
+    });
+    shown.response.on_hover_text(format!("{}{more}", figure.help));
 }
 
 /// What became of the pixels of the frame that is shown, while nothing is known of the others.
@@ -433,14 +431,14 @@ fn memory_ui(ui: &mut Ui, state: &State, order: &[usize]) {
     note(ui, format!("{} of samples in memory, by camera.", model::bytes(total)));
     for &index in order {
         let Some((memory, camera)) = cameras.get(index).zip(scene.cameras.get(index)) else { continue };
-        let figure = format!("{}  {}", model::bytes(bytes(memory)), model::percent(bytes(memory), total));
-        let share = bytes(memory) as f32 / total.max(1) as f32;
-        share_ui(ui, &camera.name, &figure, share, camera_cues::color(index)).on_hover_text(format!(
+        let help = format!(
             "{}. Stored for several frames: {}, for one: {}.",
             model::count_of(memory.samples, "sample"),
             model::bytes(memory.lasting_bytes),
             model::bytes(memory.frame_bytes)
-        ));
+        );
+        let (part, color) = ([bytes(memory), total], camera_cues::color(index));
+        share_ui(ui, &camera.name, model::bytes, part, color).on_hover_text(help);
     }
     ui.add_space(space::LARGE);
 }

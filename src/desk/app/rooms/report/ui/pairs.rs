@@ -19,7 +19,14 @@ use overlook_engine::preprocess::diagnostics::{CameraReport, PairResiduals, Repo
 pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report) {
     ui.heading("Which camera replaces which");
     weak(ui, "Rows lose samples, columns keep the ones that replace them.");
-    left_out_ui(ui, report);
+    let left_out: u64 = report.witnesses_left_out.iter().sum();
+    if left_out > 0 {
+        let samples = model::count_of(left_out, "sample");
+        weak(
+            ui,
+            format!("Each row shows the cameras that replace most of it; {samples} were dropped for others."),
+        );
+    }
     let most = report.witnesses.iter().map(|(.., count)| *count).max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
     let order = order(report);
@@ -37,18 +44,6 @@ pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report) {
             ),
         })
     });
-}
-
-/// Says what the matrix of replaced samples lacks where there are many cameras.
-fn left_out_ui(ui: &mut Ui, report: &Report) {
-    let left_out: u64 = report.witnesses_left_out.iter().sum();
-    if left_out > 0 {
-        let samples = model::count_of(left_out, "sample");
-        weak(
-            ui,
-            format!("Each row shows the cameras that replace most of it; {samples} were dropped for others."),
-        );
-    }
 }
 
 /// A scale ends at this many times the mean: a pair that is far off does not make all others alike.
@@ -91,14 +86,11 @@ fn residuals_ui(
 ) {
     note(ui, title);
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    let value = |row: usize, column: usize| Some(footprints(&of(report.residuals.get(row, column)?)?));
-    let (mut sum, mut count, mut most) = (0.0, 0, 0.0_f32);
-    for (row, column) in (0..names.len()).flat_map(|row| (0..names.len()).map(move |column| (row, column))) {
-        if let Some(value) = value(row, column) {
-            (sum, count, most) = (sum + value, count + 1, most.max(value));
-        }
-    }
-    let lightest = most.min(ABOVE_MEAN * sum / count.max(1) as f32).max(LEAST_FOOTPRINTS);
+    let values: Vec<f32> =
+        report.residuals.iter().filter_map(|(.., pair)| Some(footprints(&of(pair)?))).collect();
+    let most = values.iter().copied().fold(0.0, f32::max);
+    let mean = values.iter().sum::<f32>() / values.len().max(1) as f32;
+    let lightest = most.min(ABOVE_MEAN * mean).max(LEAST_FOOTPRINTS);
     ui.horizontal(|ui| {
         let end = format!("{} footprints or more", model::significant(f64::from(lightest)));
         bar(ui, "0", &end, 90.0, sequential);
