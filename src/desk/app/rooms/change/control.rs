@@ -15,8 +15,7 @@ use overlook_engine::settings::Settings;
 const STEP: Duration = Duration::from_millis(33);
 
 impl OverlookApp {
-    /// Notes what is known before settings change to `next`. A change goes on until all frames are pruned with its settings: turning a
-    /// threshold further belongs to it, and turning it back ends it.
+    /// Notes what is known before settings change to `next`. A change lasts until all frames are pruned; turning it back ends it.
     pub(crate) fn note_figures_before(&mut self, next: &Settings) {
         let state = &mut self.state;
         let change = &state.doc.change;

@@ -49,7 +49,6 @@ struct Splats<'a> {
     request: &'a ChangeRequest,
     size: [usize; 2],
     pixels: Vec<Color32>,
-    is_empty: bool,
 }
 
 impl<'a> Splats<'a> {
@@ -57,7 +56,7 @@ impl<'a> Splats<'a> {
         let lens = &request.camera.intrinsics;
         let size = [lens.width as usize, lens.height as usize];
         let pixels = vec![Color32::TRANSPARENT; size[0] * size[1]];
-        Self { request, size, pixels, is_empty: true }
+        Self { request, size, pixels }
     }
 
     /// Adds every sample that `other` has not, save those at infinity.
@@ -105,7 +104,6 @@ impl<'a> Splats<'a> {
         if columns.is_empty() || rows.is_empty() || self.is_hidden(point_in_world) {
             return;
         }
-        self.is_empty = false;
         let color = camera_cues::color(camera);
         for y in rows {
             self.pixels[y * self.size[0]..][columns.clone()].fill(color);
@@ -122,6 +120,7 @@ impl<'a> Splats<'a> {
     }
 
     fn picture(self) -> Option<ColorImage> {
-        (!self.is_empty).then(|| ColorImage::new(self.size, self.pixels))
+        let is_empty = self.pixels.iter().all(|pixel| *pixel == Color32::TRANSPARENT);
+        (!is_empty).then(|| ColorImage::new(self.size, self.pixels))
     }
 }

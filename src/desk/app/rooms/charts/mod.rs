@@ -12,8 +12,7 @@ use overlook_lab::chart::{Chart, ChartQuantity, stress, tradeoff};
 use overlook_lab::stress::StressPoint;
 use overlook_lab::sweep::Point;
 
-/// The chart of a study; `None` while it has no point that is shown. A sweep is drawn along the axes that are shown, a stress test with
-/// all of its disturbances.
+/// The chart of a study, of a stress test with all disturbances; `None` while it has no point that is shown.
 pub(crate) fn sheet(study: Study, state: &State) -> Option<Chart> {
     let scene = state.doc.scene.as_ref().map_or("", |scene| scene.name.as_str());
     match study {
@@ -24,7 +23,7 @@ pub(crate) fn sheet(study: Study, state: &State) -> Option<Chart> {
 }
 
 fn sheet_of_sweep(scene: &str, charts: &Charts) -> Option<Chart> {
-    let axes = charts.axes();
+    let axes = charts.axes;
     let is_drawn = |point: &&Point| charts.shows_point(point) && place(axes, point).is_some();
     let points: Vec<Point> = charts.sweep.iter().filter(is_drawn).cloned().collect();
     if points.is_empty() {

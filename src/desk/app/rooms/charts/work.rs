@@ -6,7 +6,7 @@ use crate::app::model::{Accuracy, Content, Message, OpenScene, Same, State};
 use crate::app::rooms::charts::state::{Found, StudyPlan, to_measure};
 use crate::app::work::requests::StudyRequest;
 use crate::app::work::worker::{Outbox, Wanted};
-use overlook_engine::capture::{Frame, TruthView};
+use overlook_engine::capture::TruthView;
 use overlook_engine::error::Result;
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::{self, PreparedScan};
@@ -64,10 +64,16 @@ pub(crate) fn measure(request: &MeasureRequest, job: &Job) -> Result<Option<Accu
     for (view, frame) in known.into_iter().step_by(step) {
         job.check()?;
         let Some(load) = &view.truth else { continue };
-        let truth = load()?;
+        let (truth, vantage) = (load()?, Vantage { camera: view.camera.clone(), frame });
+        let psnr_db = |samples: &Arc<SampleSet>| -> Result<f64> {
+            let painted = CpuRenderer::new().render(samples, &vantage, &request.settings.render, job)?;
+            let (mut picture, _) = painted;
+            view.expose(&mut Arc::make_mut(&mut picture).color);
+            Ok(metrics::score(&picture, &truth)?.psnr_db)
+        };
         let unpruned = preprocess::inspect_frame(capture, None, &all_settings, frame, job)?.samples;
-        pruned_db += psnr_at(&request.samples, view, frame, &truth, &request.settings, job)?;
-        unpruned_db += psnr_at(&unpruned, view, frame, &truth, &request.settings, job)?;
+        pruned_db += psnr_db(&request.samples)?;
+        unpruned_db += psnr_db(&unpruned)?;
         views += 1;
         job.advance(1);
     }
@@ -85,20 +91,6 @@ pub(crate) fn with_nothing_pruned(settings: &Settings) -> Settings {
     settings.pruning.mixed_pixels = MixedPixels::Keep;
     settings.spans.levels = SpanLevels::Off;
     settings
-}
-
-fn psnr_at(
-    samples: &Arc<SampleSet>,
-    view: &TruthView,
-    frame: usize,
-    truth: &Frame,
-    settings: &Settings,
-    job: &Job,
-) -> Result<f64> {
-    let vantage = Vantage { camera: view.camera.clone(), frame };
-    let (mut picture, _) = CpuRenderer::new().render(samples, &vantage, &settings.render, job)?;
-    view.expose(&mut Arc::make_mut(&mut picture).color);
-    Ok(metrics::score(&picture, truth)?.psnr_db)
 }
 
 /// Measures, and sends every point as it comes.

@@ -35,8 +35,7 @@ impl OverlookApp {
         state.doc.compared = Some(ShownComparison { choice: key.choice, names, comparison, textures });
     }
 
-    /// Shows pictures of another program beside ours, from the first viewpoint that they show. A folder that is opened again replaces
-    /// its earlier pictures.
+    /// Shows pictures of another program beside ours, from the first viewpoint that they show; opened again, they replace themselves.
     pub(crate) fn pictures_opened(&mut self, folder: PictureFolder) {
         let frame = self.state.timeline.frame;
         let state = &mut self.state;

@@ -104,7 +104,6 @@ impl CompareSide {
         ),
     ];
 
-    /// The method of others that the side shows.
     pub(crate) fn rival(self) -> Option<Rival> {
         match self {
             Self::TriangleMesh => Some(Rival::TriangleMesh),
@@ -260,13 +259,11 @@ pub(crate) struct CompareKey {
     pub scan: Option<Same<PreparedScan>>,
     /// The settings on the sliders, A, B, and those before the last change.
     pub settings: [Settings; 4],
-    /// Pictures of other programs that are open.
     pub pictures: Vec<PictureFolder>,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
 }
 
-/// A comparison that is shown.
 pub(crate) struct ShownComparison {
     pub choice: CompareChoice,
     /// What its sides are called.
@@ -321,7 +318,6 @@ pub(crate) enum ShownSides {
 pub(crate) struct ComparisonFigure {
     /// Left, right and their difference, of one size.
     pub images: [Arc<ColorImage>; 3],
-    /// Names of the two sides.
     pub names: [String; 2],
     pub mode: CompareMode,
     pub in_view: CompareInView,
@@ -391,7 +387,6 @@ pub(crate) struct PictureFolder {
     pub of_views: Option<Arc<OtherPictures>>,
     /// Pictures of every camera at every frame, camera by camera; `None` without any.
     pub of_cameras: Option<Arc<OtherPictures>>,
-    /// Frames of each camera.
     pub frame_count: usize,
 }
 

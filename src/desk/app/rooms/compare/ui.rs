@@ -87,7 +87,6 @@ fn list_ui<T: Copy + PartialEq>(
     });
 }
 
-/// Opens and closes pictures of other programs.
 fn pictures_menu_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let button = egui::Button::new(ICON_ADD_PHOTO_ALTERNATE.rich_text().size(16.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
@@ -187,8 +186,7 @@ fn parts(look: &CompareLook, flipped: bool) -> Vec<(usize, [f32; 2])> {
     }
 }
 
-/// The area that a picture is fitted into when it is drawn between two shares of the width: the whole canvas for pictures over each
-/// other.
+/// The area that a picture between two shares of the width is fitted into: the whole canvas for pictures over each other.
 fn area_of(mode: CompareMode, canvas: Rect, [from, to]: [f32; 2]) -> Rect {
     let column = |share: f32| canvas.left() + canvas.width() * share;
     if mode == CompareMode::Beside {

@@ -16,7 +16,6 @@ use overlook_engine::grid::Grid;
 /// Columns of the pictures at most.
 const WIDTH: usize = 320;
 
-/// The questions about the readings of a scene.
 #[derive(Clone, PartialEq)]
 pub(crate) enum ReadingRequest {
     /// Whether another reading fits better.
@@ -42,7 +41,6 @@ impl Wanted for ReadingRequest {
     }
 }
 
-/// Answers one request.
 pub(crate) fn answer(request: ReadingRequest) -> Message {
     match request {
         ReadingRequest::Check(scene) => {

@@ -113,12 +113,12 @@ fn latex(text: &str) -> String {
 fn pixels(report: &Report) -> Vec<CsvRow> {
     let account = report.pixel_account();
     let parts = account_parts(&account).into_iter().chain([("all", account.pixels)]);
-    let share = |pixels: u64| 100.0 * pixels as f64 / account.pixels.max(1) as f64;
     let row = |(name, pixels): (&str, u64)| {
+        let percent = 100.0 * pixels as f64 / account.pixels.max(1) as f64;
         vec![
             ("became", name.to_owned()),
             ("pixels", pixels.to_string()),
-            ("percent", format!("{:.4}", share(pixels))),
+            ("percent", format!("{percent:.4}")),
         ]
     };
     parts.map(row).collect()

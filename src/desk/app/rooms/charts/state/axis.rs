@@ -6,7 +6,6 @@ use overlook_engine::settings::{Kernel, Settings};
 use overlook_lab::chart::Scale;
 use overlook_lab::sweep::{Point, Series};
 
-/// A quantity along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quantity {
     Psnr,
@@ -51,7 +50,6 @@ impl Quantity {
         }
     }
 
-    /// Its name for an axis on paper.
     pub(crate) fn name_on_paper(self) -> String {
         self.axis_name().replacen(self.name(), &format!("{}{}", self.name(), self.unit_on_paper().0), 1)
     }
@@ -75,7 +73,6 @@ impl Quantity {
         }
     }
 
-    /// Its value in words.
     pub(crate) fn words(self, point: &Point) -> String {
         match self {
             Self::Psnr => format!("{:.2}", point.psnr_filled_db),
@@ -124,14 +121,12 @@ impl Quantity {
 /// Ticks that are aimed at.
 pub(crate) const TICKS: usize = 6;
 
-/// The coordinate of a value in a plot: of a logarithmic axis the decimal logarithm. `None` where the axis cannot show it: zero and
-/// what is negative have no logarithm.
+/// The coordinate of a value in a plot, of a logarithmic axis the decimal logarithm; `None` where there is none.
 pub(crate) fn coordinate(value: f64, scale: Scale) -> Option<f64> {
     let coordinate = if scale == Scale::Log { value.log10() } else { value };
     coordinate.is_finite().then_some(coordinate)
 }
 
-/// An axis that is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ShownAxis {
     pub quantity: Quantity,

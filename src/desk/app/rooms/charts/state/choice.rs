@@ -14,7 +14,6 @@ use overlook_lab::tune::TunePlan;
 /// Frames that a stress test in the window looks at: enough for what moves to move.
 const FRAMES: usize = 8;
 
-/// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Study {
     /// Accuracy against cost, over many settings.
@@ -28,7 +27,6 @@ pub(crate) enum Study {
 }
 
 impl Study {
-    /// How many there are.
     pub(super) const COUNT: usize = Self::Ranking as usize + 1;
 
     /// Those that are drawn as charts.
@@ -63,7 +61,6 @@ impl Study {
         format!("{} chart", self.name().to_lowercase())
     }
 
-    /// Name of the file of its chart.
     pub(crate) fn chart_file(self) -> &'static str {
         if self == Self::Stress { "stress.pdf" } else { "sweep.pdf" }
     }
@@ -74,7 +71,7 @@ impl Study {
     }
 }
 
-/// What is chosen.
+/// What of a study is chosen to be measured.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct StudyChoice {
     /// What is not measured: settings by their paths; methods, kernels and disturbances by their names.
@@ -100,7 +97,6 @@ impl StudyChoice {
         !self.left_out.contains(name)
     }
 
-    /// What is measured of a sweep.
     pub(crate) fn sweep_plan(&self, settings: &Settings, capture: &Capture) -> SweepPlan {
         let mut plan = SweepPlan::standard(settings, capture);
         plan.choose(self.fineness, |planned| {
@@ -114,7 +110,6 @@ impl StudyChoice {
         plan
     }
 
-    /// What is measured of a stress test.
     pub(crate) fn stress_plan(&self, settings: &Settings) -> StressPlan {
         let mut plan = StressPlan::standard(settings).with_rivals(settings);
         plan.disturbances.retain(|disturbance| self.takes(disturbance.name()));
@@ -122,7 +117,6 @@ impl StudyChoice {
         StressPlan { frames: Some(FRAMES), fineness: self.fineness, budget: self.budget, ..plan }
     }
 
-    /// What is measured to tune settings.
     pub(crate) fn tune_plan(&self, settings: &Settings) -> TunePlan {
         let (left_out, fineness) = (self.left_out.clone(), self.fineness);
         TunePlan { left_out, fineness, time: self.budget, ..TunePlan::of(settings.clone()) }

@@ -50,7 +50,6 @@ pub(crate) enum Found {
     Ranking(CameraWorth),
 }
 
-/// The question what to measure.
 pub(crate) struct StudyQuestion {
     pub study: Study,
     /// What there is to choose: the title of each group, and the names in it.
@@ -82,8 +81,8 @@ pub(crate) struct Charts {
     /// Points of the stress test, in the order of its tables.
     pub stress: Vec<StressPoint>,
     pub disturbance: String,
-    /// Along and up.
-    axes: [ShownAxis; 2],
+    /// Along and up; [`Self::set_axes`] sets them.
+    pub axes: [ShownAxis; 2],
     /// Along which scale the sizes of disturbances lie.
     pub dial_scale: Scale,
     /// Series that are left out of the charts, by their names.
@@ -98,7 +97,6 @@ pub(crate) struct Charts {
     pub ranked_edits: EditList,
     pub hides_ranking: bool,
     pub question: Option<StudyQuestion>,
-    /// What is chosen to be measured of each study.
     choices: [StudyChoice; Study::COUNT],
     /// When the point before came, or measuring began.
     last_point: Option<Instant>,
@@ -107,7 +105,6 @@ pub(crate) struct Charts {
     pub studying: bool,
     /// What is being measured, or was last.
     study: Option<Study>,
-    /// The last study of each kind.
     runs: [Option<StudyRun>; Study::COUNT],
     /// Whether the points of the stress test are those of the one before, until the first new one takes their place.
     is_of_previous_test: bool,
@@ -188,10 +185,6 @@ impl Charts {
         self.stress.sort_by(|a, b| rank(a).cmp(&rank(b)).then(a.dial.total_cmp(&b.dial)));
     }
 
-    pub(crate) fn axes(&self) -> [ShownAxis; 2] {
-        self.axes
-    }
-
     pub(crate) fn set_axes(&mut self, axes: [ShownAxis; 2]) {
         self.axes = axes;
         self.mark_front();
@@ -216,7 +209,6 @@ impl Charts {
         }
     }
 
-    /// What is chosen to be measured.
     pub(crate) fn choice(&self, study: Study) -> &StudyChoice {
         &self.choices[study as usize]
     }
@@ -301,7 +293,6 @@ impl Charts {
         }
     }
 
-    /// What is being measured.
     pub(crate) fn under_way(&self) -> Option<Study> {
         self.study.filter(|_| self.studying)
     }
@@ -316,7 +307,6 @@ impl Charts {
         self.run(study).is_some_and(|run| run.known.0 > 0 && !run.is_complete && run.is_of(settings, choice))
     }
 
-    /// The settings that a study was begun with.
     pub(crate) fn made_with(&self, study: Study) -> Option<&Settings> {
         self.run(study).map(|run| &run.settings)
     }
@@ -361,10 +351,7 @@ impl Charts {
     }
 }
 
-/// What a scene is measured on, and against what.
-///
-/// # Errors
-/// `Invalid` for a store, and where nothing is known to measure against.
+/// What a scene is measured on, and against what; `Invalid` for a store, and where nothing is known to measure against.
 pub(crate) fn to_measure(scene: &OpenScene) -> Result<(&Capture, Truth)> {
     let Content::Capture { capture, truth } = &scene.content else {
         return Err(Error::invalid(
@@ -416,7 +403,7 @@ mod tests {
         charts.add(point("free", 20.0, 0, 0.0), (1, 2));
         charts.add(point("good", 30.0, 100, 1.0), (2, 2));
         assert_eq!(charts.front(), [[2.0, 30.0]]);
-        let axes = charts.axes();
+        let axes = charts.axes;
         charts.set_axes([ShownAxis { scale: Scale::Linear, ..axes[0] }, axes[1]]);
         assert_eq!(charts.front(), [[0.0, 20.0], [100.0, 30.0]]);
     }

@@ -42,7 +42,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         return;
     }
     axes_ui(ui, state, commands);
-    let axes = charts.axes();
+    let axes = charts.axes;
     let tokens = *Tokens::in_ui(ui);
     let shows = |name: &str| charts.shows(Study::Sweep, name);
     let drawn = series(&charts.sweep, |point| (point.settings.render.kernel, point.series));
@@ -102,7 +102,6 @@ fn own_look(tokens: &Tokens) -> (MarkerShape, Color32) {
     (MarkerShape::Circle, tokens.text)
 }
 
-/// Shape and color of points of a sweep.
 fn look_of_series(series: Series, kernel: Kernel, tokens: &Tokens) -> (MarkerShape, Color32) {
     match series {
         Series::Reference => own_look(tokens),
@@ -116,7 +115,7 @@ fn kernel_color(kernel: Kernel) -> Color32 {
 
 /// What is along and up, and the button that measures.
 fn axes_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
-    let axes = state.doc.charts.axes();
+    let axes = state.doc.charts.axes;
     ui.horizontal_wrapped(|ui| {
         let quantities = Quantity::ALL.map(|(of, name, _)| (of, name, ""));
         for (index, caption, name) in [(0, "X axis:", "X axis"), (1, "Y axis:", "Y axis")] {
@@ -355,7 +354,7 @@ pub(crate) fn question_ui(ctx: &egui::Context, state: &State, commands: &mut Com
     }
 }
 
-/// What each amount is.
+/// What each amount of measuring is.
 const AMOUNTS: [&str; 3] = [
     "The ends and the middle of everything, your settings and other methods first; stops after 3 minutes.",
     "All values of everything, until all is measured.",
@@ -485,10 +484,5 @@ mod tests {
         assert_eq!(amount(768, None), "768 measurements, how long is unknown until the first is measured");
         assert_eq!(amount(1, Some(2.0)), "1 measurement, about 2 s");
         assert_eq!(amount(190, Some(600.0)), "190 measurements, about 10 min");
-        assert_eq!(shown_name("ours"), "Your settings");
-        assert_eq!(
-            shown_name("pruning.depth_tolerance"),
-            model::setting_names::name("pruning.depth_tolerance")
-        );
     }
 }

@@ -36,7 +36,6 @@ pub(crate) enum Mark {
     Ring,
 }
 
-/// The shape of a marker.
 pub(crate) fn shape(marker: Marker) -> MarkerShape {
     match marker {
         Marker::Dot | Marker::Ring => MarkerShape::Circle,

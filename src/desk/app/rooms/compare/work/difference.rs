@@ -15,7 +15,7 @@ use overlook_engine::color::{linear_from_srgb, srgb8_from_linear, steps_from_lin
 use overlook_engine::error::{Error, Result};
 use overlook_engine::grid::Grid;
 use overlook_engine::render::{NO_IMAGE, Picture, Vantage};
-use overlook_lab::metrics::{self, ClassMap, DEFAULT_PIXELS_PER_DEGREE, ErrorClass, flip, ssim};
+use overlook_lab::metrics::{self, ClassMap, DEFAULT_PIXELS_PER_DEGREE, flip, ssim};
 use overlook_lab::truth::ViewCorrections;
 
 /// Share of pixels that may differ by more than a fitted range.
@@ -61,8 +61,7 @@ pub(crate) fn as_picture(side: &DisplayedSide) -> Picture {
     picture
 }
 
-/// Compares two sides by `measure`. `range` is the difference at the map's upper end; `None` fits it. `Invalid` where the sides
-/// differ in size.
+/// Compares two sides. `range` is the difference at the map's upper end; `None` fits it. `Invalid` where the sides differ in size.
 pub(crate) fn between(
     sides: [DisplayedSide; 2],
     measure: CompareMeasure,
@@ -109,8 +108,8 @@ fn image_of<T: Copy>(
     unknown: Color32,
     color: impl Fn(T) -> Color32,
 ) -> Arc<ColorImage> {
-    let map = pixels.map(|pixel| pixel.map_or(unknown, &color));
-    Arc::new(ColorImage::new([map.width(), map.height()], map.into_vec()))
+    let colors = pixels.map(|pixel| pixel.map_or(unknown, &color));
+    Arc::new(ColorImage::new(pixels.size().into(), colors.into_vec()))
 }
 
 /// Mean of how far pixels are apart, signs aside.
@@ -162,25 +161,22 @@ pub(crate) fn by_class(
         return Err(refused("The truth has another size than the pictures."));
     }
     let raised = Tokens::of(dark).raised;
-    let mut colors = Vec::with_capacity(classes.len());
-    for (apart, class) in compared.apart.as_slice().iter().zip(classes.as_slice()) {
-        let strength = apart.map_or(0.0, |apart| (apart / compared.range).clamp(0.0, 1.0).sqrt());
-        let of_class = |class: ErrorClass| Color32::BLACK.lerp_to_gamma(opaque(class.color()), strength);
-        colors.push(class.map_or(raised, of_class));
-    }
-    let difference = Arc::new(ColorImage::new([classes.width(), classes.height()], colors));
     let mut squares = [0.0; 3];
-    for (pair, class) in pairs(&compared.sides[0], &compared.sides[1]).zip(classes.as_slice()) {
-        if let ((Some(left), Some(right)), Some(class)) = (pair, class) {
+    let both = pairs(&compared.sides[0], &compared.sides[1]).zip(compared.apart.as_slice());
+    let colors = both.zip(classes.as_slice()).map(|((pair, apart), class)| {
+        let Some(class) = class else { return raised };
+        if let (Some(left), Some(right)) = pair {
             squares[*class as usize] += squared(left, right);
         }
-    }
+        let strength = apart.map_or(0.0, |apart| (apart / compared.range).clamp(0.0, 1.0).sqrt());
+        Color32::BLACK.lerp_to_gamma(opaque(class.color()), strength)
+    });
+    let difference = Arc::new(ColorImage::new(classes.size().into(), colors.collect()));
     let all: f64 = squares.iter().sum();
     let by_class = (all > 0.0).then(|| squares.map(|of_class| of_class / all));
     Ok(PictureDifference { difference, by_class, ..compared })
 }
 
-/// Each pixel of both sides.
 fn pairs<'a>(
     left: &'a DisplayColors,
     right: &'a DisplayColors,
@@ -361,7 +357,6 @@ pub(crate) fn left_out(key: &CompareKey) -> Option<usize> {
     }
 }
 
-/// The capture without a left-out camera.
 pub(crate) fn cameras_left(key: &CompareKey) -> Result<Capture> {
     let left_out = left_out(key);
     Ok(corrected_capture(key)?.with_cameras(|index, _| Some(index) != left_out))
@@ -381,6 +376,7 @@ pub(crate) fn corrected_capture(key: &CompareKey) -> Result<&Capture> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use overlook_lab::metrics::ErrorClass;
 
     fn side(pixels: [Option<u8>; 4]) -> DisplayedSide {
         let known = Grid::from_vec(4, 1, pixels.map(|gray| gray.map(|gray| [gray; 3])).to_vec());

@@ -65,7 +65,6 @@ pub(crate) struct Comparer {
 #[derive(Clone)]
 enum Made {
     Samples(Arc<SampleSet>),
-    /// The model of another method.
     Rival(Arc<dyn RivalModel>),
 }
 
@@ -89,7 +88,7 @@ const KEPT: usize = 4;
 const KEPT_SCANS: usize = 2;
 
 impl Comparer {
-    /// One that has made nothing yet, and reads whole captures on `threads`.
+    /// One that reads whole captures on `threads`.
     pub(crate) fn new(threads: Arc<rayon::ThreadPool>) -> Self {
         Self { renderer: Renderer::new(), made: Vec::new(), scans: Vec::new(), threads }
     }
@@ -258,7 +257,6 @@ fn keep<T>(kept: &mut Vec<T>, most: usize, latest: T) {
     kept.push(latest);
 }
 
-/// What another program made there.
 fn picture_of_folder(key: &CompareKey, id: u64, viewpoint: &Viewpoint) -> Result<DisplayedSide> {
     let folder = key.pictures.iter().find(|folder| folder.id == id);
     let folder = folder.ok_or_else(|| refused("These pictures are closed."))?;
@@ -423,16 +421,12 @@ mod tests {
         let beside = drawn(CompareMode::Beside, view);
         assert_eq!(beside.size, [18, 4]);
         assert_eq!([7, 8, 9, 10].map(|x| side(&beside, x)), [0, 255, 255, 1]);
-    }
-
-    #[test]
-    fn only_the_part_in_view_is_drawn_and_a_line_beside_it_is_not() {
+        // Only the part in view is drawn, and a line beside it is not.
         let part = Rect::from_min_max(pos2(0.5, 0.25), pos2(1.0, 0.75));
-        let in_view = |line| CompareInView { part, line, ..CompareInView::default() };
-        let wiped = image(&figure(CompareMode::Wipe, in_view(0.25)));
-        assert_eq!(wiped.size, [4, 2]);
-        assert_eq!(wiped.pixels[0], Color32::from_rgb(4, 1, 1), "the line is left of what is seen");
-        let left = image(&figure(CompareMode::Wipe, in_view(1.2)));
-        assert!(left.pixels.iter().all(|pixel| pixel.b() == 0));
+        let wiped = |line| drawn(CompareMode::Wipe, CompareInView { part, line, ..view });
+        let right = wiped(0.25);
+        assert_eq!(right.size, [4, 2]);
+        assert_eq!(right.pixels[0], Color32::from_rgb(4, 1, 1), "the line is left of what is seen");
+        assert!(wiped(1.2).pixels.iter().all(|pixel| pixel.b() == 0));
     }
 }

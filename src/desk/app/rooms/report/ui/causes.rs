@@ -30,13 +30,19 @@ const LEAST_SHARE: f32 = 0.001;
 struct Cause {
     name: &'static str,
     pixels: u64,
+    share: f32,
+    /// The share in words.
+    percent: String,
     color: Color32,
     help: &'static str,
 }
 
 /// Every share that is not nearly nothing, in the order in which pixels are lost.
 fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
-    let cause = |name, pixels, color, help| Cause { name, pixels, color, help };
+    let cause = |name, pixels, color, help| {
+        let share = pixels as f32 / account.pixels.max(1) as f32;
+        Cause { name, pixels, share, percent: model::percent(pixels, account.pixels), color, help }
+    };
     let all = vec![
         cause("Kept", account.kept, tokens.moving, "Samples that stay."),
         cause(
@@ -66,7 +72,7 @@ fn causes(account: &PixelAccount, tokens: &Tokens) -> Vec<Cause> {
         ),
         cause("Cut by hand", account.cut, tokens.text, "An edit deletes it."),
     ];
-    all.into_iter().filter(|cause| share(cause, account) >= LEAST_SHARE).collect()
+    all.into_iter().filter(|cause| cause.share >= LEAST_SHARE).collect()
 }
 
 /// The bars in the room that is left; nothing where that is too little.
@@ -81,8 +87,7 @@ pub(crate) fn causes_ui(ui: &mut Ui, account: &PixelAccount) -> Option<Response>
     all.retain(|cause| cause.pixels >= least);
     let each = (room.x + GAP) / all.len() as f32 - GAP;
     let (area, response) = ui.allocate_exact_size(room, Sense::click());
-    let parts: Vec<String> =
-        all.iter().map(|cause| format!("{} {}", cause.name, percent(cause, account))).collect();
+    let parts: Vec<String> = all.iter().map(|cause| format!("{} {}", cause.name, cause.percent)).collect();
     let name = format!("What became of all pixels: {}", parts.join(", "));
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
     let pointer = response.hover_pos();
@@ -90,14 +95,9 @@ pub(crate) fn causes_ui(ui: &mut Ui, account: &PixelAccount) -> Option<Response>
     for (nth, cause) in all.iter().enumerate() {
         let left = area.left() + nth as f32 * (each + GAP);
         let place = Rect::from_min_size(pos2(left, area.top()), vec2(each, area.height()));
-        cause_bar(ui, place, cause, account, tokens);
+        cause_bar(ui, place, cause, tokens);
         if pointer.is_some_and(|pointer| place.expand(GAP / 2.0).contains(pointer)) {
-            help = Some(format!(
-                "{} {}: {} Click for the rules.",
-                cause.name,
-                percent(cause, account),
-                cause.help
-            ));
+            help = Some(format!("{} {}: {} Click for the rules.", cause.name, cause.percent, cause.help));
         }
     }
     Some(match help {
@@ -106,24 +106,16 @@ pub(crate) fn causes_ui(ui: &mut Ui, account: &PixelAccount) -> Option<Response>
     })
 }
 
-fn percent(cause: &Cause, account: &PixelAccount) -> String {
-    model::percent(cause.pixels, account.pixels)
-}
-
-fn share(cause: &Cause, account: &PixelAccount) -> f32 {
-    cause.pixels as f32 / account.pixels.max(1) as f32
-}
-
 /// A name, its share in words, and a bar as long as the share.
-fn cause_bar(ui: &Ui, place: Rect, cause: &Cause, account: &PixelAccount, tokens: &Tokens) {
+fn cause_bar(ui: &Ui, place: Rect, cause: &Cause, tokens: &Tokens) {
     let font = TextStyle::Small.resolve(ui.style());
     let painter = ui.painter();
     let name = painter.text(place.left_top(), Align2::LEFT_TOP, cause.name, font.clone(), tokens.text_weak);
     let figure = pos2(place.left(), name.bottom() + 1.0);
-    let figure = painter.text(figure, Align2::LEFT_TOP, percent(cause, account), font, tokens.text);
+    let figure = painter.text(figure, Align2::LEFT_TOP, &cause.percent, font, tokens.text);
     let rail = Rect::from_min_size(pos2(place.left(), figure.bottom() + 2.0), vec2(place.width(), BAR));
     painter.rect_filled(rail, 2.0, tokens.raised);
-    let length = if cause.pixels > 0 { (rail.width() * share(cause, account)).max(1.5) } else { 0.0 };
+    let length = (rail.width() * cause.share).max(1.5);
     painter.rect_filled(Rect::from_min_size(rail.min, vec2(length, BAR)), 2.0, cause.color);
 }
 

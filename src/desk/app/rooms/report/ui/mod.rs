@@ -274,8 +274,7 @@ pub(crate) fn totals_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     });
 }
 
-/// What each figure needs, and what is left beside them. Where figures may become out of date there is room for saying so, so that nothing
-/// moves then.
+/// What each figure needs, with room for saying that it is out of date where it may become so, and what is left beside them.
 fn widths(ui: &Ui, figures: &[KeyFigure], may_be_stale: bool) -> (Vec<f32>, f32) {
     let styles = (figure_style().resolve(ui.style()), egui::TextStyle::Small.resolve(ui.style()));
     let width_of = |text: &str, font: &egui::FontId| {

@@ -22,15 +22,12 @@ pub(crate) fn replacements_ui(ui: &mut Ui, report: &Report) {
     let left_out: u64 = report.witnesses_left_out.iter().sum();
     if left_out > 0 {
         let samples = model::count_of(left_out, "sample");
-        weak(
-            ui,
-            format!("Each row shows the cameras that replace most of it; {samples} were dropped for others."),
-        );
+        let text = "Each row shows the cameras that replace most of it";
+        weak(ui, format!("{text}; {samples} were dropped for others."));
     }
     let most = report.witnesses.iter().map(|(.., count)| *count).max().unwrap_or(0).max(1) as f32;
     let names: Vec<&str> = report.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    let order = order(report);
-    pairs_ui(ui, "replacements", &names, &order, |loser, winner| {
+    pairs_ui(ui, "replacements", &names, &order(report), |loser, winner| {
         let count = *report.witnesses.get(loser, winner)?;
         Some(PairCell {
             // The square root makes small counts differ from none.
@@ -125,11 +122,8 @@ pub(crate) struct PairCell {
 const NAME_WIDTH: f32 = 78.0;
 const HEADER_HEIGHT: f32 = 76.0;
 
-/// Sides of a cell, points: from where its pairs can be told apart to where its number has room.
-const CELL: std::ops::RangeInclusive<f32> = 9.0..=44.0;
-
-/// Largest height of a row.
-const ROW: f32 = 24.0;
+/// Widths of a cell, points, from where its pairs can be told apart to where its number has room; and its heights.
+const CELL: [std::ops::RangeInclusive<f32>; 2] = [9.0..=44.0, 12.0..=24.0];
 
 /// Height beyond which the square is scrolled by itself, where the view is not taller.
 const TALLEST: f32 = 460.0;
@@ -152,8 +146,9 @@ pub(crate) fn order(report: &Report) -> Vec<usize> {
 
 /// Size of a cell in so much width.
 fn cell_size(width: f32, cameras: usize) -> egui::Vec2 {
-    let width = (width - NAME_WIDTH) / cameras as f32;
-    vec2(width.clamp(*CELL.start(), *CELL.end()), width.clamp(12.0, ROW))
+    let [width, height] =
+        CELL.map(|side| ((width - NAME_WIDTH) / cameras as f32).clamp(*side.start(), *side.end()));
+    vec2(width, height)
 }
 
 /// The cells of all pairs of cameras, `order` being their indices; `cell` is given those of row and column.
@@ -180,8 +175,9 @@ pub(crate) fn pairs_ui(
         let cells = Rect::from_min_max(seen.min + corner, seen.max);
         let grid = PairGrid { names, order, corner: area.min + corner, cell: step };
         let painter = ui.painter().with_clip_rect(cells.intersect(ui.clip_rect()));
-        for row in grid.rows(cells) {
-            for column in grid.columns(cells) {
+        let [rows, columns] = grid.within(cells);
+        for row in rows {
+            for column in columns.clone() {
                 grid.cell(&painter, row, column, cell(order[row], order[column]), Tokens::in_ui(ui));
             }
         }
@@ -213,17 +209,14 @@ struct PairGrid<'a> {
 }
 
 impl PairGrid<'_> {
-    fn rows(&self, seen: Rect) -> std::ops::Range<usize> {
-        self.between(seen.top() - self.corner.y, seen.bottom() - self.corner.y, self.cell.y)
-    }
-
-    fn columns(&self, seen: Rect) -> std::ops::Range<usize> {
-        self.between(seen.left() - self.corner.x, seen.right() - self.corner.x, self.cell.x)
-    }
-
-    fn between(&self, from: f32, to: f32, step: f32) -> std::ops::Range<usize> {
-        let last = (to / step).ceil().max(0.0) as usize;
-        ((from / step).max(0.0) as usize)..last.min(self.order.len())
+    /// The rows and the columns in an area.
+    fn within(&self, area: Rect) -> [std::ops::Range<usize>; 2] {
+        let area = area.translate(-self.corner.to_vec2());
+        let between = |from: f32, to: f32, step: f32| {
+            let last = (to / step).ceil().max(0.0) as usize;
+            ((from / step).max(0.0) as usize)..last.min(self.order.len())
+        };
+        [between(area.top(), area.bottom(), self.cell.y), between(area.left(), area.right(), self.cell.x)]
     }
 
     fn cell(&self, painter: &Painter, row: usize, column: usize, cell: Option<PairCell>, tokens: &Tokens) {
@@ -246,7 +239,8 @@ impl PairGrid<'_> {
         let font = egui::TextStyle::Small.resolve(ui.style());
         let left = Rect::from_min_max(pos2(seen.left(), cells.top()), pos2(cells.left(), seen.bottom()));
         let painter = ui.painter().with_clip_rect(left.intersect(ui.clip_rect()));
-        for row in self.rows(cells) {
+        let [rows, columns] = self.within(cells);
+        for row in rows {
             let camera = self.order[row];
             let at = pos2(seen.left(), self.corner.y + self.cell.y * (row as f32 + 0.5));
             camera_cues::sign(&painter, Rect::from_center_size(at + vec2(5.0, 0.0), vec2(9.0, 9.0)), camera);
@@ -255,7 +249,7 @@ impl PairGrid<'_> {
         }
         let top = Rect::from_min_max(pos2(cells.left(), seen.top()), pos2(seen.right(), cells.top()));
         let painter = ui.painter().with_clip_rect(top.intersect(ui.clip_rect()));
-        for column in self.columns(cells) {
+        for column in columns {
             let at = pos2(self.corner.x + self.cell.x * (column as f32 + 0.5), cells.top() - 8.0);
             let side = vec2(9.0, 9.0).min(egui::Vec2::splat(self.cell.x - 1.0));
             let camera = self.order[column];
@@ -274,9 +268,7 @@ pub(crate) fn short(name: &str, length: usize) -> String {
     if name.chars().count() <= length {
         return name.to_owned();
     }
-    let mut text: String = name.chars().take(length - 1).collect();
-    text.push('…');
-    text
+    name.chars().take(length - 1).chain(['…']).collect()
 }
 
 #[cfg(test)]
@@ -298,8 +290,8 @@ mod tests {
         let (corner, cell) = (pos2(0.0, 0.0), vec2(10.0, 12.0));
         let grid = PairGrid { names: &[], order: &order, corner, cell };
         let seen = Rect::from_min_size(pos2(100.0, 240.0), vec2(200.0, 120.0));
-        assert_eq!((grid.columns(seen), grid.rows(seen)), (10..30, 20..30));
+        assert_eq!(grid.within(seen), [20..30, 10..30]);
         let beyond = Rect::from_min_size(pos2(2900.0, 3500.0), vec2(400.0, 400.0));
-        assert_eq!((grid.columns(beyond), grid.rows(beyond)), (290..300, 291..300));
+        assert_eq!(grid.within(beyond), [291..300, 290..300]);
     }
 }
