@@ -8,7 +8,6 @@ pub(crate) mod work;
 use crate::app::model::scene::method_of;
 use crate::app::model::state::State;
 use crate::app::rooms::change::state::{Difference, Figures};
-use crate::app::rooms::charts::ui::tuning::signed;
 use crate::text::{bytes, count, significant};
 
 impl Figures {
@@ -37,6 +36,10 @@ fn counted(before: u64, now: u64, text: fn(u64) -> String) -> String {
     format!("{sign}{} ({sign}{} %)", text(now.abs_diff(before)), significant(percent.abs()))
 }
 
+fn signed(difference: f64, digits: usize) -> String {
+    format!("{difference:+.digits$}").replace('-', "−")
+}
+
 /// A figure before and now; `None` where it was not known before.
 fn difference<T: Copy>(
     name: &'static str,
@@ -59,7 +62,7 @@ impl State {
         };
         let of_number = |name, of, unit: &str, digits: usize| {
             let text = |number: f64| format!("{number:.digits$} {unit}");
-            difference(name, of, text, |before, now| signed(now - before, digits, unit))
+            difference(name, of, text, |before, now| signed(now - before, digits) + " " + unit)
         };
         let here = self.timeline.frame;
         let of_frame = |figures: &Figures| figures.frame.filter(|(frame, _)| *frame == here).map(|it| it.1);
@@ -85,6 +88,7 @@ mod tests {
         assert_eq!(counted(1_430_000, 1_490_000, count), "+60.0 k (+4.20 %)");
         assert_eq!(counted(200, 150, count), "−50 (−25.0 %)");
         assert_eq!(counted(0, 5, count), "+5 (+500 %)");
+        assert_eq!(signed(35.84 - 36.02, 2), "−0.18");
     }
 
     #[test]

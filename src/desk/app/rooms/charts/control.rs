@@ -32,16 +32,11 @@ impl OverlookApp {
             ChartCommand::Disturbance(name) => charts.disturbance = name,
             ChartCommand::Toggle(study, series) => charts.toggle(study, series),
             ChartCommand::DialScale(scale) => charts.dial_scale = scale,
-            ChartCommand::Copy(study) => self.copy_chart(study),
+            ChartCommand::Copy(study) => match sheet(study, &self.state) {
+                Some(chart) => self.draw_chart(study.chart_name(), chart),
+                None => self.state.warn_of_scene("Nothing to copy", study.no_chart()),
+            },
             ChartCommand::CloseRanking => charts.hides_ranking = true,
-        }
-    }
-
-    /// Draws a chart for the clipboard.
-    fn copy_chart(&mut self, study: Study) {
-        match sheet(study, &self.state) {
-            Some(chart) => self.draw_chart(study.chart_name(), chart),
-            None => self.state.warn_of_scene("Nothing to copy", study.no_chart()),
         }
     }
 

@@ -57,10 +57,9 @@ impl OverlookApp {
 
     /// Takes in how accurate what is kept is.
     pub(crate) fn measured(&mut self, settings: &Settings, accuracy: Option<Accuracy>) {
-        if *settings != self.state.settings {
-            return;
+        if *settings == self.state.settings {
+            self.state.doc.accuracy = accuracy;
         }
-        self.state.doc.accuracy = accuracy;
     }
 
     /// Copies a table as text.

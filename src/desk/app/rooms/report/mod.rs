@@ -317,7 +317,6 @@ fn resident() -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::rooms::charts::state::Found;
     use overlook_lab::sweep::Series;
     use overlook_lab::trial::{Trial, TrialResult};
 
@@ -329,7 +328,7 @@ mod tests {
         let trial = Trial::new("50 % of a_b | {c}, \"d\"", Settings::default());
         let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
         point.milliseconds = 12.345_678;
-        state.doc.charts.add(Found::Sweep(point), (1, 1));
+        state.doc.charts.sweep.push(point);
         let text = |form| table_text(Table::Sweep, form, &state).unwrap();
         let csv = text(TableForm::Csv);
         let lines: Vec<&str> = csv.lines().collect();

@@ -41,11 +41,6 @@ impl Study {
         }
     }
 
-    /// What is measured one by one.
-    pub(crate) fn unit(self) -> &'static str {
-        if self == Self::Ranking { "camera" } else { "point" }
-    }
-
     /// The view that shows it.
     pub(crate) fn view(self) -> DockView {
         match self {

@@ -336,11 +336,10 @@ impl Charts {
     /// Title and text of the message once measuring was stopped.
     pub(crate) fn stopped(&self) -> Option<(String, String)> {
         let study = self.study.filter(|_| !self.studying)?;
+        let unit = if study == Study::Ranking { "camera" } else { "point" };
         let text = match self.run(study)?.known {
             (0, _) => "Nothing was measured yet.".to_owned(),
-            (known, of) => {
-                format!("After {known} of {}; Resume measures the rest.", counted(of, study.unit()))
-            }
+            (known, of) => format!("After {known} of {}; Resume measures the rest.", counted(of, unit)),
         };
         Some((format!("{} stopped", study.name()), text))
     }

@@ -463,10 +463,6 @@ mod tests {
                 assert_ne!(look_of_series(Series::Variation, kernel, tokens), (shape, color));
             }
         }
-        assert_eq!(
-            look("of another version", Tokens::of(true)),
-            look("of another version", Tokens::of(false))
-        );
     }
 
     #[test]

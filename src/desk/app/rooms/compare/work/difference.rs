@@ -85,6 +85,7 @@ pub(crate) fn between(
         CompareMeasure::Brightness => diverging(apart / range),
         _ => sequential(apart / range),
     };
+    let one_sided = pairs(&left, &right).filter(|(a, b)| a.is_some() != b.is_some()).count();
     Ok(PictureDifference {
         images: [shown_left, shown_right].map(|shown| image_of(&shown, tokens.hole, opaque)),
         // A gray, which no color of the maps is: the holes' own purple is near their lower end.
@@ -97,7 +98,7 @@ pub(crate) fn between(
         ssim: similarity(&left, &right),
         flicker_steps: None,
         by_class: None,
-        one_sided: one_sided(&left, &right),
+        one_sided: one_sided as f64 / left.len().max(1) as f64,
         sides: [left, right],
     })
 }
@@ -245,11 +246,6 @@ fn similarity(left: &DisplayColors, right: &DisplayColors) -> f64 {
     let of = |own, other| completed(own, other, |encoded| metrics::luma(&encoded));
     let counts = |x: usize, y: usize| left[(x, y)].is_some() && right[(x, y)].is_some();
     ssim(&of(left, right), &of(right, left), counts)
-}
-
-fn one_sided(left: &DisplayColors, right: &DisplayColors) -> f64 {
-    let lonely = pairs(left, right).filter(|(a, b)| a.is_some() != b.is_some()).count();
-    lonely as f64 / left.len().max(1) as f64
 }
 
 /// A viewpoint at a frame, and the frame that was recorded there where it is known.

@@ -8,8 +8,9 @@ use crate::app::model::look::Unit;
 use crate::app::model::{self, Commands, State};
 use crate::app::rooms::compare::compare_with;
 use crate::app::rooms::compare::state::CompareSide;
-use crate::app::rooms::report::ui::pairs::{PairCell, order, pairs_ui};
-use crate::app::rooms::report::ui::{ROW, SCROLLED, camera_table_ui, name_ui};
+use crate::app::rooms::report::ui::pairs::{
+    PairCell, ROW, SCROLLED, camera_table_ui, name_ui, order, pairs_ui,
+};
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{note, weak};

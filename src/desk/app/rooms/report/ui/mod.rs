@@ -4,16 +4,16 @@ mod causes;
 mod pairs;
 
 use egui::{Align, Color32, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2};
-use egui_extras::{Column, TableBuilder};
+use egui_extras::Column;
 
 use crate::app::camera_cues;
 use crate::app::model::command::WindowCommand;
 use crate::app::model::window::DockView;
 use crate::app::model::{self, Accuracy, CameraMemory, Command, Commands, Content, State};
 use crate::app::rooms::report::ui::causes::{alignment_ui, causes_ui};
-use crate::app::rooms::report::ui::pairs::{agreement_ui, order, replacements_ui, short};
+use crate::app::rooms::report::ui::pairs::{agreement_ui, camera_table_ui, name_ui, order, replacements_ui};
 use crate::app::theme::{Tokens, figure_style, space};
-use crate::app::widgets::{dot, note, one_line, weak};
+use crate::app::widgets::{note, one_line, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::{CameraReport, PixelAccount, Report};
 
@@ -184,48 +184,6 @@ fn cameras_ui(ui: &mut Ui, report: &Report) {
             2 => ui.label(model::percent(camera.background_pixels, camera.pixels / frames)),
             _ => ui.label(format!("{:.2}", camera.color_noise_steps)).on_hover_text(measured(camera)),
         };
-    });
-}
-
-/// The sign and the name of a camera.
-fn name_ui(ui: &mut Ui, camera: usize, name: &str, help: &str) -> egui::Response {
-    dot(ui, camera);
-    ui.label(short(name, 14)).on_hover_text(help)
-}
-
-/// Height of a row of a table of cameras.
-const ROW: f32 = 20.0;
-
-/// Cameras from which on their table is scrolled by itself.
-const SCROLLED: usize = 16;
-
-/// A row for each camera in `order`: title, width and meaning of the columns, and what shows a column by its place and a camera.
-fn camera_table_ui(
-    ui: &mut Ui,
-    id: &str,
-    order: &[usize],
-    columns: &[(&str, Column, &str)],
-    cell_ui: impl Fn(&mut Ui, usize, usize),
-) {
-    let mut table = TableBuilder::new(ui).id_salt(id).striped(true).vscroll(order.len() > SCROLLED);
-    table = table.cell_layout(Layout::left_to_right(Align::Center));
-    for (_, width, _) in columns {
-        table = table.column(*width);
-    }
-    let table = table.max_scroll_height(SCROLLED as f32 * ROW).header(ROW, |mut header| {
-        for (title, _, help) in columns {
-            header.col(|ui| {
-                note(ui, *title).on_hover_text(*help);
-            });
-        }
-    });
-    table.body(|body| {
-        body.rows(ROW, order.len(), |mut row| {
-            let camera = order[row.index()];
-            for column in 0..columns.len() {
-                row.col(|ui| cell_ui(ui, column, camera));
-            }
-        });
     });
 }
 

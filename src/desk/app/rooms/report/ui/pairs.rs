@@ -4,14 +4,17 @@
 use std::f32::consts::FRAC_PI_2;
 
 use egui::epaint::TextShape;
-use egui::{Align2, Color32, FontId, Painter, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{
+    Align, Align2, Color32, FontId, Layout, Painter, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2,
+};
+use egui_extras::{Column, TableBuilder};
 
 use crate::app::camera_cues;
 use crate::app::colormap::sequential;
 use crate::app::model;
 use crate::app::rooms::source::ui::legend::bar;
 use crate::app::theme::{Tokens, space};
-use crate::app::widgets::{note, weak};
+use crate::app::widgets::{dot, note, weak};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::diagnostics::{CameraReport, PairResiduals, Report, Residual};
 
@@ -142,6 +145,48 @@ pub(crate) fn order(report: &Report) -> Vec<usize> {
         order.sort_by_key(|index| std::cmp::Reverse(kept(&report.cameras[*index])));
     }
     order
+}
+
+/// The sign and the name of a camera.
+pub(crate) fn name_ui(ui: &mut Ui, camera: usize, name: &str, help: &str) -> egui::Response {
+    dot(ui, camera);
+    ui.label(short(name, 14)).on_hover_text(help)
+}
+
+/// Height of a row of a table of cameras.
+pub(crate) const ROW: f32 = 20.0;
+
+/// Cameras from which on their table is scrolled by itself.
+pub(crate) const SCROLLED: usize = 16;
+
+/// A row for each camera in `order`: title, width and meaning of the columns, and what shows a column by its place and a camera.
+pub(crate) fn camera_table_ui(
+    ui: &mut Ui,
+    id: &str,
+    order: &[usize],
+    columns: &[(&str, Column, &str)],
+    cell_ui: impl Fn(&mut Ui, usize, usize),
+) {
+    let mut table = TableBuilder::new(ui).id_salt(id).striped(true).vscroll(order.len() > SCROLLED);
+    table = table.cell_layout(Layout::left_to_right(Align::Center));
+    for (_, width, _) in columns {
+        table = table.column(*width);
+    }
+    let table = table.max_scroll_height(SCROLLED as f32 * ROW).header(ROW, |mut header| {
+        for (title, _, help) in columns {
+            header.col(|ui| {
+                note(ui, *title).on_hover_text(*help);
+            });
+        }
+    });
+    table.body(|body| {
+        body.rows(ROW, order.len(), |mut row| {
+            let camera = order[row.index()];
+            for column in 0..columns.len() {
+                row.col(|ui| cell_ui(ui, column, camera));
+            }
+        });
+    });
 }
 
 /// Size of a cell in so much width.
