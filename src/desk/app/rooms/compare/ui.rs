@@ -109,21 +109,16 @@ fn places(state: &State) -> Vec<(CompareVantage, String, String)> {
     let mut places =
         vec![(CompareVantage::Live, "Live view".to_owned(), "The viewpoint of the live view.".to_owned())];
     let Some(scene) = &state.doc.scene else { return places };
-    if let Content::Capture { truth, .. } = &scene.content {
-        places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
-            let help = "Viewed from this camera, rendered from the samples of all others.".to_owned();
-            (CompareVantage::HoldOut(index), format!("Camera {}, held out", camera.name), help)
-        }));
-        let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
-        places.extend(known.map(|(index, view)| {
-            let path = &view.file_path;
-            (
-                CompareVantage::Truth(index),
-                format!("True picture {}", index + 1),
-                format!("A viewpoint whose true picture is known: {path}."),
-            )
-        }));
-    }
+    let Content::Capture { truth, .. } = &scene.content else { return places };
+    places.extend(scene.cameras.iter().enumerate().map(|(index, camera)| {
+        let help = "Viewed from this camera, rendered from the samples of all others.".to_owned();
+        (CompareVantage::HoldOut(index), format!("Camera {}, held out", camera.name), help)
+    }));
+    let known = truth.iter().filter(|view| view.truth.is_some()).enumerate();
+    places.extend(known.map(|(index, view)| {
+        let help = format!("A viewpoint whose true picture is known: {}.", view.file_path);
+        (CompareVantage::Truth(index), format!("True picture {}", index + 1), help)
+    }));
     places
 }
 

@@ -74,20 +74,14 @@ impl Wanted for PrepareRequest {
     }
 }
 
-/// The whole capture to be pruned.
+/// The whole capture to be pruned, whichever frame is shown, with the pass over all frames where one is done that serves the settings.
 #[derive(Clone)]
-pub(crate) struct WholeRequest {
-    /// The scene, a capture.
-    scene: Arc<OpenScene>,
-    /// The pass over all frames, where one is done that serves the settings.
-    scan: Option<Same<PreparedScan>>,
-    settings: Method,
-}
+pub(crate) struct WholeRequest(InspectRequest);
 
 impl PartialEq for WholeRequest {
     /// The scan does not count: it is made where there is none.
     fn eq(&self, other: &Self) -> bool {
-        self.scene == other.scene && self.settings == other.settings
+        self.0.scene == other.0.scene && self.0.settings == other.0.settings
     }
 }
 
@@ -96,14 +90,14 @@ impl Wanted for WholeRequest {
         let rests = Self::changes_in(state).is_none();
         // The first look at the first frame goes before everything else.
         let is_due = rests && !state.is_whole_ready() && !state.doc.stopped && state.doc.inspected.is_some();
-        let InspectRequest { scan, settings, .. } = InspectRequest::of(state).filter(|_| is_due)?;
-        let scan = scan.filter(|scan| scan.serves(&settings.0));
-        Some(Self { scene: state.doc.scene.clone()?, scan, settings })
+        let mut request = InspectRequest::of(state).filter(|_| is_due)?;
+        request.scan = request.scan.filter(|scan| scan.serves(&request.settings.0));
+        Some(Self(request))
     }
 
     /// What works with settings that were left is stopped.
     fn is_of_use(&self, state: &State) -> bool {
-        self.settings == Method(state.settings.clone())
+        self.0.settings == Method(state.settings.clone())
     }
 
     fn changes_in(state: &State) -> Option<Duration> {
@@ -118,7 +112,7 @@ fn left_of(time: Duration, since: Instant) -> Option<Duration> {
 
 /// Prunes a whole capture, after the pass over its frames.
 pub(crate) fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> Result<Message> {
-    let WholeRequest { scene, scan, settings: Method(settings) } = request;
+    let InspectRequest { scene, scan, settings: Method(settings), .. } = request.0;
     let capture = scene.source()?;
     let mut read_seconds = None;
     let scan = if let Some(Same(scan)) = scan {

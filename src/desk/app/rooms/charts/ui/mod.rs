@@ -53,11 +53,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         kernels.iter().map(|(color, name)| (Mark::Points(MarkerShape::Circle), *color, name.as_str()));
     let shapes = Series::ALL.into_iter().filter(|series| drawn.iter().any(|of| of.kind.1 == *series));
     let shapes = shapes.map(|series| {
-        let (shape, color) = if series == Series::Reference {
-            own_look(&tokens)
-        } else {
-            (shape(Marker::of(series)), tokens.text_weak)
-        };
+        let (shape, color) = look_of_series(series, tokens.text_weak, &tokens);
         (Mark::Points(shape), color, series_name(series))
     });
     let lines = [(Mark::Line, tokens.text_weak, FRONT), (Mark::Ring, tokens.mark, CURRENT)];
@@ -76,7 +72,7 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
             let name = format!("{}, {}", series_name(series), kernel_name(kernel));
             let points = points.into_iter().filter(|point| is_shown(point));
             let points: Vec<_> = points.filter_map(|point| place(axes, point)).collect();
-            let (shape, color) = look_of_series(series, kernel, &tokens);
+            let (shape, color) = look_of_series(series, kernel_color(kernel), &tokens);
             plot_ui.points(Points::new(name, points).color(color).radius(4.0).shape(shape));
         }
         if let Some(at) = current.filter(|_| shows(CURRENT)) {
@@ -97,16 +93,10 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     }
 }
 
-/// Shape and color of what the settings on the sliders gave, in every chart: that of text, which no kernel and no other method has.
-fn own_look(tokens: &Tokens) -> (MarkerShape, Color32) {
-    (MarkerShape::Circle, tokens.text)
-}
-
-fn look_of_series(series: Series, kernel: Kernel, tokens: &Tokens) -> (MarkerShape, Color32) {
-    match series {
-        Series::Reference => own_look(tokens),
-        _ => (shape(Marker::of(series)), kernel_color(kernel)),
-    }
+/// Shape and color of a series. What the settings on the sliders gave has the color of text, which no kernel and no other method has.
+fn look_of_series(series: Series, of_others: Color32, tokens: &Tokens) -> (MarkerShape, Color32) {
+    let color = if series == Series::Reference { tokens.text } else { of_others };
+    (shape(Marker::of(series)), color)
 }
 
 fn kernel_color(kernel: Kernel) -> Color32 {
@@ -220,7 +210,7 @@ static METHODS: LazyLock<Vec<String>> = LazyLock::new(|| {
 /// Shape, color and name of a method: its own, whichever disturbance is shown and however much is measured.
 fn look<'a>(method: &'a str, tokens: &Tokens) -> (MarkerShape, Color32, &'a str) {
     if method_name(method) == START {
-        let (shape, color) = own_look(tokens);
+        let (shape, color) = look_of_series(Series::Reference, tokens.text, tokens);
         return (shape, color, START);
     }
     let index = METHODS.iter().position(|name| name == method).unwrap_or(METHODS.len());
@@ -458,9 +448,9 @@ mod tests {
                 assert!(!before.iter().any(|other| (other.0, other.1) == (*shape, *color)), "{name}");
             }
             let (shape, color, _) = look("ours", tokens);
-            for kernel in Kernel::ALL.iter().copied() {
-                assert_eq!(look_of_series(Series::Reference, kernel, tokens), (shape, color));
-                assert_ne!(look_of_series(Series::Variation, kernel, tokens), (shape, color));
+            for of_kernel in Kernel::ALL.iter().copied().map(kernel_color) {
+                assert_eq!(look_of_series(Series::Reference, of_kernel, tokens), (shape, color));
+                assert_ne!(look_of_series(Series::Variation, of_kernel, tokens), (shape, color));
             }
         }
     }

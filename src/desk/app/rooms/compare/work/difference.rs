@@ -347,10 +347,7 @@ pub(crate) fn unknown_truth() -> Error {
 
 /// The camera whose place the comparison is made from, so that its own samples are left out.
 pub(crate) fn left_out(key: &CompareKey) -> Option<usize> {
-    match key.choice.from {
-        CompareVantage::HoldOut(camera) => Some(camera),
-        _ => None,
-    }
+    if let CompareVantage::HoldOut(camera) = key.choice.from { Some(camera) } else { None }
 }
 
 pub(crate) fn cameras_left(key: &CompareKey) -> Result<Capture> {

@@ -238,15 +238,13 @@ fn widths(ui: &Ui, figures: &[KeyFigure], may_be_stale: bool) -> (Vec<f32>, f32)
     let width_of = |text: &str, font: &egui::FontId| {
         ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::PLACEHOLDER).size().x
     };
-    let needed: Vec<f32> = figures
-        .iter()
-        .map(|figure| {
-            let stale = if may_be_stale { width_of(STALE, &styles.1) } else { 0.0 };
-            let note = width_of(&figure.note, &styles.1).max(stale);
-            let line = width_of(&figure.value, &styles.0) + GAP + note;
-            line.max(width_of(figure.name, &styles.1)) + MARGIN
-        })
-        .collect();
+    let stale = if may_be_stale { width_of(STALE, &styles.1) } else { 0.0 };
+    let width = |figure: &KeyFigure| {
+        let note = width_of(&figure.note, &styles.1).max(stale);
+        let line = width_of(&figure.value, &styles.0) + GAP + note;
+        line.max(width_of(figure.name, &styles.1)) + MARGIN
+    };
+    let needed: Vec<f32> = figures.iter().map(width).collect();
     let spare = (ui.available_width() - needed.iter().sum::<f32>()).max(0.0);
     (needed, spare)
 }
