@@ -24,26 +24,19 @@ use overlook_lab::chart::Scale;
 /// One wish of the person at the window.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
-    /// What concerns files: opening, and the paths that are chosen or typed.
     File(FileCommand),
-    /// What concerns the settings.
     Settings(SettingsCommand),
-    /// What concerns time.
     Time(TimeCommand),
-    /// What concerns the source view.
     Source(SourceCommand),
-    /// What concerns the selected pixel.
     Pixel(PixelCommand),
-    /// What concerns the camera path.
     Path(PathCommand),
-    /// What concerns the comparison of two pictures.
     Compare(CompareCommand),
-    /// What concerns sweeps and stress tests.
     Chart(ChartCommand),
-    /// What concerns the readings of a capture.
     Reading(ReadingCommand),
-    /// What concerns the window around the views.
     Window(WindowCommand),
+    View(ViewCommand),
+    Edit(EditCommand),
+    Share(ShareCommand),
     Undo,
     Redo,
     /// Prune the whole capture again.
@@ -52,12 +45,6 @@ pub(crate) enum Command {
     Cancel,
     /// Close the topmost thing: a field, a message; else as `Cancel`.
     Escape,
-    /// What concerns the live view's camera and what surrounds its picture.
-    View(ViewCommand),
-    /// What concerns edits of the samples.
-    Edit(EditCommand),
-    /// What concerns the dialog of all ways out.
-    Share(ShareCommand),
     /// Show colors otherwise in both views.
     Display(Display),
     CopyTable(Table, TableForm),
@@ -66,28 +53,28 @@ pub(crate) enum Command {
 impl Command {
     /// Whether it takes the view elsewhere at once. Views that are moved by hand stay under the hand.
     pub(crate) fn is_jump(&self) -> bool {
+        use ViewCommand::{Focus, FramePoint, GoToAddress, Home, JumpTo, Kept, LookAlong, Pasted};
         match self {
             Self::Path(PathCommand::GoToKey(_)) => true,
             Self::View(command) => matches!(
                 command,
-                ViewCommand::JumpTo(_)
-                    | ViewCommand::Home
-                    | ViewCommand::FramePoint
-                    | ViewCommand::Focus(_)
-                    | ViewCommand::LookAlong(_)
-                    | ViewCommand::GoToAddress(_)
-                    | ViewCommand::Kept(KeptViewCommand::GoTo(_))
-                    | ViewCommand::Pasted(_)
+                JumpTo(_)
+                    | Home
+                    | FramePoint
+                    | Focus(_)
+                    | LookAlong(_)
+                    | GoToAddress(_)
+                    | Pasted(_)
+                    | Kept(KeptViewCommand::GoTo(_))
             ),
             _ => false,
         }
     }
-}
 
-impl Command {
     /// Whether it moves the live view by hand, and nothing else.
     pub(crate) fn moves_view(&self) -> bool {
-        matches!(self, Self::View(command) if command.moves_view())
+        use ViewCommand::{Dolly, DollyTo, Fly, Orbit, Pan};
+        matches!(self, Self::View(Orbit(_) | Pan(_) | Dolly(_) | DollyTo { .. } | Fly(_)))
     }
 }
 
@@ -103,7 +90,7 @@ pub(crate) enum FileCommand {
     AskPath(Purpose),
     /// Save the session where it was saved last, or ask where.
     SaveSession,
-    /// What is in the field now.
+    /// What is in the field for typing a path now.
     TypedPath(String),
     /// Take the path in the field.
     TakeTypedPath,
@@ -137,10 +124,9 @@ pub(crate) enum Opening {
 /// What concerns the settings.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum SettingsCommand {
-    Set {
-        path: &'static str,
-        value: toml::Value,
-    },
+    /// Give a setting a value.
+    Set { path: &'static str, value: toml::Value },
+    /// Give every setting its default.
     ResetAll,
     /// Take the settings of a preset.
     Preset(Box<Settings>),
@@ -485,18 +471,12 @@ pub(crate) enum EditCommand {
     Select(Region),
     /// Put another selection in the place of the one that is there.
     Reshape(Option<Region>),
+    /// Select nothing, and lay the tool down.
     SelectNothing,
     /// Select what was drawn in a picture, or show the selection while it is being drawn.
-    Draw {
-        region: Region,
-        combine: Combine,
-        is_done: bool,
-    },
+    Draw { region: Region, combine: Combine, is_done: bool },
     /// Leave what is under a stroke in a camera's picture out.
-    Mask {
-        camera: String,
-        stroke: Stroke,
-    },
+    Mask { camera: String, stroke: Stroke },
     /// Edit with other tools.
     Tools(EditTools),
     /// Delete or keep what is selected, or bring it back.

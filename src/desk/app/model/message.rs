@@ -30,196 +30,82 @@ use overlook_lab::tune::Tuned;
 pub(crate) enum Message {
     /// A capture, demo or store is open.
     Opened(Arc<OpenScene>),
-    Scanned {
-        scene: u64,
-        scan: Arc<PreparedScan>,
-    },
-    /// The whole capture is pruned.
-    Pruned {
-        scene: u64,
-        settings: Settings,
-        result: Arc<Preprocessed>,
-        /// Seconds that reading all frames took; `None` where they were read before.
-        read_seconds: Option<f64>,
-    },
+    /// The pass over all frames is done.
+    Scanned { scene: u64, scan: Arc<PreparedScan> },
+    /// The whole capture is pruned. Reading all frames took so many seconds; `None` where they were read before.
+    Pruned { scene: u64, settings: Settings, result: Arc<Preprocessed>, read_seconds: Option<f64> },
     /// One frame is pruned, with reasons.
-    Inspected {
-        scene: u64,
-        inspected: Inspected,
-    },
+    Inspected { scene: u64, inspected: Inspected },
     /// One frame is ready for thresholds to be turned.
     Prepared,
-    SourcePainted {
-        key: SourceKey,
-        picture: Arc<SourcePicture>,
-    },
-    LivePainted {
-        key: LiveKey,
-        picture: Arc<LivePicture>,
-    },
+    /// The left picture.
+    SourcePainted { key: SourceKey, picture: Arc<SourcePicture> },
+    /// The right picture.
+    LivePainted { key: LiveKey, picture: Arc<LivePicture> },
     /// The live picture as the view shows it now, until it is painted; `None` where nothing of it is in view.
-    LiveCarried {
-        key: CarryKey,
-        carried: Option<CarriedLook>,
-    },
+    LiveCarried { key: CarryKey, carried: Option<CarriedLook> },
     /// Accuracy at vantages with truth; `None` without such vantages.
-    Measured {
-        scene: u64,
-        settings: Settings,
-        accuracy: Option<Accuracy>,
-    },
+    Measured { scene: u64, settings: Settings, accuracy: Option<Accuracy> },
     /// The evidence about a pixel; `None` for a hole, and without verdicts.
-    Probed {
-        scene: u64,
-        spot: Spot,
-        probed: Option<Arc<Probed>>,
-        is_hole: bool,
-    },
-    Thumbnails {
-        scene: u64,
-        pictures: Vec<Arc<egui::ColorImage>>,
-    },
-    Histograms {
-        scene: u64,
-        histograms: Vec<ThresholdHistogram>,
-    },
+    Probed { scene: u64, spot: Spot, probed: Option<Arc<Probed>>, is_hole: bool },
+    /// Every camera small, in the capture's order.
+    Thumbnails { scene: u64, pictures: Vec<Arc<egui::ColorImage>> },
+    /// The quantities that thresholds cut.
+    Histograms { scene: u64, histograms: Vec<ThresholdHistogram> },
     /// The samples that a change of settings dropped, and those that it brought back.
-    ChangePainted {
-        request: Box<ChangeRequest>,
-        pictures: [Option<Arc<egui::ColorImage>>; 2],
-    },
+    ChangePainted { request: Box<ChangeRequest>, pictures: [Option<Arc<egui::ColorImage>>; 2] },
     /// The values that the live view shows in colors.
-    ValuesCounted {
-        scene: u64,
-        values: FrameValues,
-    },
+    ValuesCounted { scene: u64, values: FrameValues },
     /// Two pictures of one place, or why there are none.
-    Compared {
-        key: Box<CompareKey>,
-        outcome: Result<PictureDifference, String>,
-    },
-    MemoryMapped {
-        scene: u64,
-        cameras: Vec<CameraMemory>,
-    },
+    Compared { key: Box<CompareKey>, outcome: Result<PictureDifference, String> },
+    /// What takes the memory, by camera.
+    MemoryMapped { scene: u64, cameras: Vec<CameraMemory> },
     /// A file is written. `bytes` is the size of a store; `holds` names the scene and the settings of samples in it.
-    Saved {
-        path: PathBuf,
-        bytes: Option<u64>,
-        holds: Option<(u64, Settings)>,
-    },
+    Saved { path: PathBuf, bytes: Option<u64>, holds: Option<(u64, Settings)> },
     /// What a study measured last, and how much of it is known, of how much.
-    Found {
-        scene: u64,
-        found: Box<Found>,
-        known: (usize, usize),
-    },
+    Found { scene: u64, found: Box<Found>, known: (usize, usize) },
     /// The settings that tuning found.
-    Tuned {
-        scene: u64,
-        tuned: Box<Tuned>,
-    },
+    Tuned { scene: u64, tuned: Box<Tuned> },
     /// A study is done, or its time is over with so many measurements left.
-    Studied {
-        scene: u64,
-        left: usize,
-    },
+    Studied { scene: u64, left: usize },
     /// What goes to the clipboard, and what it is called; a figure also has a width on paper.
-    Drawn {
-        image: egui::ColorImage,
-        name: String,
-        width_mm: Option<f64>,
-    },
+    Drawn { image: egui::ColorImage, name: String, width_mm: Option<f64> },
     /// What is shared is written.
-    Exported {
-        path: PathBuf,
-        exported: Exported,
-    },
+    Exported { path: PathBuf, exported: Exported },
     /// What is shared within a budget, and its PSNR beside the picture of all samples, dB; `None` where it is too small for anything.
-    SharePreviewed {
-        key: SharePreviewKey,
-        preview: Option<(Arc<egui::ColorImage>, Option<f64>)>,
-    },
+    SharePreviewed { key: SharePreviewKey, preview: Option<(Arc<egui::ColorImage>, Option<f64>)> },
     /// What sizes follow from is measured.
-    SizesMeasured {
-        scene: u64,
-        facts: Facts,
-    },
+    SizesMeasured { scene: u64, facts: Facts },
     /// The folder of a file is shown by the system.
     FolderShown,
     /// A session was written, with the camera path and the edits in it.
-    SessionSaved {
-        path: PathBuf,
-        keys: Vec<SavedPathKey>,
-        list: EditList,
-    },
+    SessionSaved { path: PathBuf, keys: Vec<SavedPathKey>, list: EditList },
     /// A camera path is written.
-    PathSaved {
-        path: PathBuf,
-        saved: CameraPath,
-    },
+    PathSaved { path: PathBuf, saved: CameraPath },
     /// A camera path is read.
-    PathLoaded {
-        scene: u64,
-        path: PathBuf,
-        file: PathFile,
-    },
+    PathLoaded { scene: u64, path: PathBuf, file: PathFile },
     /// Pictures of another program are open.
-    PicturesOpened {
-        scene: u64,
-        folder: PictureFolder,
-    },
+    PicturesOpened { scene: u64, folder: PictureFolder },
     /// What edits leave of the samples, or why they cannot be applied.
-    Edited {
-        key: Box<EditKey>,
-        edited: Result<Box<EditedScene>, String>,
-    },
+    Edited { key: Box<EditKey>, edited: Result<Box<EditedScene>, String> },
     /// An edit list is written.
-    EditsSaved {
-        path: PathBuf,
-        list: EditList,
-    },
+    EditsSaved { path: PathBuf, list: EditList },
     /// An edit list is read.
-    EditsLoaded {
-        scene: u64,
-        path: PathBuf,
-        list: EditList,
-    },
-    SettingsLoaded {
-        path: PathBuf,
-        settings: Settings,
-    },
+    EditsLoaded { scene: u64, path: PathBuf, list: EditList },
+    /// Settings are read.
+    SettingsLoaded { path: PathBuf, settings: Settings },
     /// A dialog was answered; `None` if it was closed.
-    PathChosen {
-        purpose: Purpose,
-        path: Option<PathBuf>,
-    },
+    PathChosen { purpose: Purpose, path: Option<PathBuf> },
     /// Whether a file or folder to be written exists already.
-    PathChecked {
-        purpose: Purpose,
-        path: PathBuf,
-        taken: bool,
-    },
+    PathChecked { purpose: Purpose, path: PathBuf, taken: bool },
     /// Writing was stopped by the person.
-    Stopped {
-        title: &'static str,
-        text: String,
-    },
+    Stopped { title: &'static str, text: String },
     /// The finding about a capture's reading from the agreement of its views, or why there is none.
-    ReadingsChecked {
-        scene: u64,
-        finding: Result<Arc<Finding>, String>,
-    },
+    ReadingsChecked { scene: u64, finding: Result<Arc<Finding>, String> },
     /// Two readings as pictures, or why there are none.
-    ReadingsShown {
-        scene: u64,
-        images: Result<ReadingImages, String>,
-    },
+    ReadingsShown { scene: u64, images: Result<ReadingImages, String> },
     /// A job failed or was cancelled.
-    Failed {
-        work: WorkKind,
-        error: Error,
-    },
+    Failed { work: WorkKind, error: Error },
 }
 
 impl Message {

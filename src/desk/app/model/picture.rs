@@ -172,7 +172,7 @@ pub(crate) struct CarriedLook {
     pub inverse_depth: Grid<f32>,
 }
 
-/// The one that is shown.
+/// The [`CarriedLook`] that is shown.
 pub(crate) struct ShownCarried {
     pub camera: Camera,
     pub inverse_depth: Grid<f32>,
@@ -268,16 +268,8 @@ pub(crate) enum Legend {
     Plain,
     /// Depth from `near` to `far`, in the capture's unit, and the share of pixels without depth, 0 to 1.
     Depth { near: f32, far: f32, without: f32 },
-    /// Pixels that each camera won, and kept pixels.
-    Winners {
-        kept: u64,
-        /// Pixels lost to each camera.
-        lost_to: Vec<u64>,
-        /// Pixels dropped without a witness.
-        dropped: u64,
-        /// Pixels without depth.
-        invalid: u64,
-    },
+    /// Pixels that are kept, that are lost to each camera, that are dropped without a witness, and that have no depth.
+    Winners { kept: u64, lost_to: Vec<u64>, dropped: u64, invalid: u64 },
     /// Pixels of each class of *Motion* (all frames, several, one) or *Agreement* (confirmed, contradicted, neither); and without depth.
     Classes { counts: [u64; 3], invalid: u64 },
     /// How far colors differ from those of other cameras, from 0 to [`VIEW_DEPENDENCE_RANGE`]. Counts pixels that differ visibly, that
