@@ -49,7 +49,7 @@ impl OverlookApp {
         // Whichever camera or key the view was taken to, what is up stays.
         let up = self.state.up_in_world();
         if let Some(orbit) = &mut self.state.live.orbit {
-            orbit.set_up(up);
+            orbit.up_in_world = up;
         }
     }
 
@@ -81,12 +81,10 @@ impl OverlookApp {
         let inspector = &mut self.state.inspector;
         let was_open = inspector.palette.take().is_some()
             | inspector.help.take().is_some()
-            | inspector.closing.asks
-            | self.state.doc.readings.is_open
+            | std::mem::take(&mut inspector.closing.asks)
+            | std::mem::take(&mut self.state.doc.readings.is_open)
             | self.state.doc.charts.question.take().is_some()
             | self.state.open_after_question.take().is_some();
-        inspector.closing.asks = false;
-        self.state.doc.readings.is_open = false;
         if was_open
             || self.state.typed_path.take().is_some()
             || std::mem::take(&mut self.state.share.is_open)

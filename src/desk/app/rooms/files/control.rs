@@ -245,7 +245,7 @@ impl OverlookApp {
         }
         let up = self.state.up_in_world();
         if let Some(orbit) = &mut self.state.live.orbit {
-            orbit.set_up(up);
+            orbit.up_in_world = up;
         }
     }
 }

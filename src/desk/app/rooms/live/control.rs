@@ -52,7 +52,7 @@ impl OverlookApp {
                 self.state.remember_up(up);
                 let up = self.state.up_in_world();
                 if let Some(orbit) = &mut self.state.live.orbit {
-                    orbit.set_up(up);
+                    orbit.up_in_world = up;
                     orbit.level();
                 }
             }

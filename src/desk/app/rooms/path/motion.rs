@@ -148,7 +148,7 @@ fn between(from: f64, to: f64, share: f64) -> f64 {
 /// Turns a view to a point, with a level horizon; straight above and below the point it stays as it is.
 fn look_at(orbit: &mut OrbitCamera, target: DVec3) {
     let DAffine3 { translation: eye, .. } = orbit.world_from_camera;
-    let (way, up) = (target - eye, orbit.up_in_world());
+    let (way, up) = (target - eye, orbit.up_in_world);
     if way.cross(up).length() > 1e-9 * way.length() {
         orbit.world_from_camera = Camera::look_at("", orbit.lens, eye, target, up).world_from_camera;
         orbit.pivot_distance = way.length();

@@ -99,7 +99,7 @@ fn spacing(pivot_distance: f64) -> f64 {
 
 /// Lines of the ground at the height of the world's origin, below the pivot; faint where the picture is in front of them.
 fn ground(painter: &Painter, canvas: Rect, state: &State, orbit: &OrbitCamera, vantage: &Camera) {
-    let up = orbit.up_in_world();
+    let up = orbit.up_in_world;
     let (a, b) = if up == DVec3::Z { (DVec3::X, DVec3::Y) } else { up.any_orthonormal_pair() };
     let step = spacing(orbit.pivot_distance);
     let pivot = orbit.world_from_camera.transform_point3(DVec3::Z * orbit.pivot_distance);
