@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Key, Modifiers};
 use glam::DVec3;
 use overlook_engine::edits::Action;
 
@@ -38,8 +38,8 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     {
         commands.push(Command::Escape);
     }
-    commands.extend(keys_anywhere(ctx, state));
-    if pressed(ctx, Modifiers::COMMAND, Key::Q) {
+    commands.extend(pressed(ctx, keys_anywhere(state)));
+    if ctx.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Q)) {
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
     if edits && ctx.input(|input| input.key_pressed(Key::Escape)) {
@@ -48,23 +48,20 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
     }
     // What is typed is undone by the field it is typed into.
     if state.doc.scene.is_some() && !typing && !edits {
-        commands.extend(undo_keys(ctx));
+        commands.extend(pressed(ctx, undo_keys()));
     }
     let held = held_keys(ctx);
     if typing || edits || state.doc.scene.is_none() {
         return;
     }
-    window_keys(ctx, state, commands);
-    commands.extend(ctx.input(|input| input.events.iter().filter_map(number_key).collect::<Vec<_>>()));
-    commands.extend(ctx.input(|input| input.events.iter().filter_map(clipboard).collect::<Vec<_>>()));
+    let number_or_clipboard = |event: &egui::Event| number_key(event).or_else(|| clipboard(event));
+    commands
+        .extend(ctx.input(|input| input.events.iter().filter_map(number_or_clipboard).collect::<Vec<_>>()));
     let is_focused = ctx.egui_wants_keyboard_input();
-    let keys = [axis_keys(), time_keys(state), edit_keys(state), other_keys(state)].into_iter().flatten();
-    let free = keys.filter(|(modifiers, key, _)| !(is_focused && is_for_focused_button(*modifiers, *key)));
-    ctx.input_mut(|input| {
-        // With fewer modifiers a key is consumed whatever else is held: those with more go first.
-        let pressed = free.filter(|(modifiers, key, _)| input.consume_key(*modifiers, *key));
-        commands.extend(pressed.map(|(.., command)| command));
-    });
+    let mut keys =
+        [window_keys(state), axis_keys(), time_keys(state), edit_keys(state), other_keys(state)].concat();
+    keys.retain(|(modifiers, key, _)| !(is_focused && is_for_focused_button(*modifiers, *key)));
+    commands.extend(pressed(ctx, keys));
     if is_focused {
         return;
     }
@@ -76,6 +73,14 @@ pub(crate) fn commands(ui: &egui::Ui, state: &State, commands: &mut Commands) {
 
 /// What is held, a key, and what it does.
 type Bound = (Modifiers, Key, Command);
+
+/// What the pressed ones of the keys do. With fewer modifiers a key is consumed whatever else is held: those with more go first.
+fn pressed(ctx: &egui::Context, keys: Vec<Bound>) -> Vec<Command> {
+    ctx.input_mut(|input| {
+        let pressed = keys.into_iter().filter(|(modifiers, key, _)| input.consume_key(*modifiers, *key));
+        pressed.map(|(.., command)| command).collect()
+    })
+}
 
 /// Whether a key belongs to a button or a slider while it has the focus: a letter, an arrow or what presses it, by itself.
 fn is_for_focused_button(modifiers: Modifiers, key: Key) -> bool {
@@ -115,19 +120,18 @@ fn other_keys(state: &State) -> Vec<Bound> {
     keys
 }
 
-fn undo_keys(ctx: &egui::Context) -> Option<Command> {
-    let keys = [
+fn undo_keys() -> Vec<Bound> {
+    vec![
         (Modifiers::COMMAND, Key::Y, Command::Redo),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::Z, Command::Redo),
         (Modifiers::COMMAND, Key::Z, Command::Undo),
-    ];
-    keys.into_iter().find(|(modifiers, key, _)| pressed(ctx, *modifiers, *key)).map(|(.., command)| command)
+    ]
 }
 
 /// Keys that work while text is typed as well.
-fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
+fn keys_anywhere(state: &State) -> Vec<Bound> {
     let palette = state.inspector.palette.is_none().then(CommandPalette::default);
-    let keys = [
+    vec![
         (Modifiers::COMMAND, Key::O, Command::File(FileCommand::AskPath(Purpose::OpenFile))),
         (Modifiers::COMMAND, Key::E, Command::Share(ShareCommand::Open(None))),
         (Modifiers::COMMAND, Key::S, Command::File(FileCommand::SaveSession)),
@@ -136,9 +140,7 @@ fn keys_anywhere(ctx: &egui::Context, state: &State) -> Vec<Command> {
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::C, Command::Pixel(PixelCommand::CopyExplanation)),
         (Modifiers::COMMAND | Modifiers::SHIFT, Key::F, Command::Share(ShareCommand::CopyFigure(None))),
         (Modifiers::NONE, Key::F11, Command::Window(WindowCommand::FullScreen)),
-    ];
-    let pressed = keys.into_iter().filter(|(modifiers, key, _)| pressed(ctx, *modifiers, *key));
-    pressed.map(|(_, _, command)| command).collect()
+    ]
 }
 
 /// Copying and pasting outside of text: the view.
@@ -150,22 +152,16 @@ fn clipboard(event: &egui::Event) -> Option<Command> {
     }
 }
 
-/// Keys that hide and show what surrounds the views.
-fn window_keys(ctx: &egui::Context, state: &State, commands: &mut Commands) {
-    for (modifiers, key, command) in [
-        (Modifiers::ALT, Key::ArrowLeft, ViewCommand::Back),
-        (Modifiers::ALT, Key::ArrowRight, ViewCommand::Forward),
-        (Modifiers::COMMAND, Key::D, ViewCommand::Kept(KeptViewCommand::Keep)),
-    ] {
-        if pressed(ctx, modifiers, key) {
-            commands.push(Command::View(command));
-        }
-    }
-    for (key, area) in [(Key::B, Area::Side), (Key::J, Area::Lower)] {
-        if pressed(ctx, Modifiers::COMMAND, key) {
-            commands.push(Command::Window(WindowCommand::ShowArea(area, !state.look.shows(area))));
-        }
-    }
+/// Keys that hide and show what surrounds the views, and those of views that were left or are kept.
+fn window_keys(state: &State) -> Vec<Bound> {
+    let hide = |area| Command::Window(WindowCommand::ShowArea(area, !state.look.shows(area)));
+    vec![
+        (Modifiers::ALT, Key::ArrowLeft, Command::View(ViewCommand::Back)),
+        (Modifiers::ALT, Key::ArrowRight, Command::View(ViewCommand::Forward)),
+        (Modifiers::COMMAND, Key::D, Command::View(ViewCommand::Kept(KeptViewCommand::Keep))),
+        (Modifiers::COMMAND, Key::B, hide(Area::Side)),
+        (Modifiers::COMMAND, Key::J, hide(Area::Lower)),
+    ]
 }
 
 /// Keys that move in time, or that set the range that is played.
@@ -237,11 +233,6 @@ const WIDER: f32 = 1.25;
 
 /// How much faster or slower a bracket makes flying.
 const FASTER: f64 = 1.5;
-
-/// Whether a shortcut was pressed; consumes it.
-fn pressed(ctx: &egui::Context, modifiers: Modifiers, key: Key) -> bool {
-    ctx.input_mut(|input| input.consume_shortcut(&KeyboardShortcut::new(modifiers, key)))
-}
 
 fn given_up_id() -> egui::Id {
     egui::Id::unique("number given up")

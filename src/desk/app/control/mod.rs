@@ -23,6 +23,7 @@ use crate::app::work::{Outbox, Unread, Workers};
 use overlook_engine::capture::Camera;
 use overlook_engine::demo::DemoSpec;
 use overlook_engine::error::Result;
+use overlook_engine::job::Progress;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::render::gpu::SharedDevice;
 use overlook_engine::settings::Settings;
@@ -206,6 +207,7 @@ impl OverlookApp {
     }
 
     fn advance_time(&mut self) {
+        let all_frames = self.state.frame_count();
         let timeline = &mut self.state.timeline;
         let period = 1.0 / timeline.frames_per_second;
         let least_period = if timeline.playing { period * (1.0 - EARLY / 2.0) * 1e6 } else { 0.0 };
@@ -219,12 +221,9 @@ impl OverlookApp {
         let wait = (period - timeline.elapsed_secs).max(0.0);
         let before = timeline.frame;
         if frames > 0 {
-            timeline.advance(
-                frames as usize,
-                self.state.doc.scene.as_ref().map_or(1, |scene| scene.frame_count()),
-            );
+            timeline.advance(frames as usize, all_frames);
         }
-        let frame = std::mem::replace(&mut self.state.timeline.frame, before);
+        let frame = std::mem::replace(&mut timeline.frame, before);
         if frame != before {
             self.apply(Command::Time(TimeCommand::Frame(frame)));
         }
@@ -250,24 +249,19 @@ impl OverlookApp {
 
     /// Asks before the window closes with something unsaved, half written or half measured.
     fn watch_closing(&mut self) {
-        let is_unsaved = self.state.is_unsaved();
-        let has_work = self.state.unsaved_work().is_some();
-        let inspector = &mut self.state.inspector;
-        let closing = &mut inspector.closing;
+        let is_unsaved = self.state.is_unsaved() || self.state.unsaved_work().is_some();
+        let closing = &mut self.state.inspector.closing;
         closing.writing = !self.workers.file.is_idle() || !self.workers.export.is_idle();
-        if closing.anyway || !self.ctx.input(|input| input.viewport().close_requested()) {
-            return;
-        }
-        if is_unsaved || inspector.closing.writing || has_work {
+        let closes = !closing.anyway && self.ctx.input(|input| input.viewport().close_requested());
+        if closes && (is_unsaved || closing.writing) {
             self.ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            inspector.closing.asks = true;
+            closing.asks = true;
         }
     }
 
     fn take_dropped_files(&mut self) {
-        let dropped =
-            self.ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
-        if let Some(path) = dropped {
+        let dropped = |input: &egui::InputState| Some(input.raw.dropped_files.first()?.path().to_path_buf());
+        if let Some(path) = self.ctx.input(dropped) {
             self.apply(Command::File(FileCommand::Open(Opening::Path(path))));
         }
     }
@@ -296,22 +290,16 @@ impl OverlookApp {
             Some(Busy { work, progress, cancellable: work != WorkKind::MeasureAccuracy, secs_left })
         });
         self.state.busy = busy.collect();
-        let before = self.state.notices.len();
-        self.state
-            .notices
-            .retain(|notice| notice.kind != NoticeKind::Done || notice.since.elapsed() < DONE_STAYS);
-        if before > 0 {
+        let notices = &mut self.state.notices;
+        if !notices.is_empty() {
+            notices.retain(|notice| notice.kind != NoticeKind::Done || notice.since.elapsed() < DONE_STAYS);
             self.ctx.request_repaint_after(Duration::from_secs(1));
         }
     }
 }
 
 /// How long the rest takes at the pace so far; `None` while too little is done to estimate it.
-pub(crate) fn secs_left(
-    work: WorkKind,
-    progress: &overlook_engine::job::Progress,
-    elapsed: Duration,
-) -> Option<f32> {
+pub(crate) fn secs_left(work: WorkKind, progress: &Progress, elapsed: Duration) -> Option<f32> {
     let share = progress.fraction();
     // A study is a row of stages; the progress is that of one of them.
     (work != WorkKind::Study && share > 0.02 && elapsed > Duration::from_millis(500))
@@ -361,7 +349,7 @@ impl OverlookApp {
         let state = &self.state;
         let scene = state.doc.scene.as_deref();
         let cameras = scene.map_or(&[][..], |scene| &scene.cameras);
-        let size = state.live.size;
+        let (size, orbit) = (state.live.size, state.live.orbit.as_ref());
         let vantage = state.seen_camera(size);
         let on_screen = |(index, camera): (usize, &Camera)| {
             let (pixel, _) = vantage.as_ref()?.project(camera.position_in_world())?;
@@ -381,18 +369,10 @@ impl OverlookApp {
             settings: &state.settings,
             live_coverage: coverage,
             live_texture: live.map(|shown| shown.texture.id()),
-            live_position: state
-                .live
-                .orbit
-                .as_ref()
-                .map(|orbit| orbit.world_from_camera.translation.to_array()),
+            live_position: orbit.map(|orbit| orbit.world_from_camera.translation.to_array()),
             source_camera: state.source.camera,
             probed_pixel: state.doc.probe.shown.as_ref().map(|probed| (probed.camera, probed.x, probed.y)),
-            notices: state
-                .notices
-                .iter()
-                .map(|notice| format!("{}: {}", notice.title, notice.text))
-                .collect(),
+            notices: state.notices.iter().map(|of| format!("{}: {}", of.title, of.text)).collect(),
             views_in_sight: self.visible_views().into_iter().map(|view| view.name_and_help().0).collect(),
             camera_positions: cameras.iter().map(|camera| camera.position_in_world().to_array()).collect(),
             cameras_on_screen: cameras.iter().enumerate().filter_map(on_screen).collect(),

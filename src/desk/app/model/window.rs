@@ -40,12 +40,10 @@ impl DockView {
 
     /// The view beside which it opens.
     pub(crate) fn neighbor(self) -> Self {
-        match self {
-            Self::Source | Self::Live | Self::Compare | Self::Tradeoff | Self::Stability | Self::Tuning => {
-                Self::Live
-            }
-            Self::Thresholds | Self::Report | Self::View | Self::Color | Self::Edits => Self::Thresholds,
-            _ => Self::Pixel,
+        match self.area() {
+            Some(Area::Source) | None => Self::Live,
+            Some(Area::Side) => Self::Thresholds,
+            Some(Area::Lower) => Self::Pixel,
         }
     }
 }
