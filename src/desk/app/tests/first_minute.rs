@@ -9,11 +9,20 @@ use crate::app::rooms::pixel::state::{InspectedPixel, Spot};
 use crate::app::rooms::source::SourceLook;
 use crate::app::rooms::timeline::TimeCommand;
 
-#[test]
-fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_what_it_is_in_figures() {
+/// A window on the room that comes with the program, at rest unless it `plays`.
+fn welcomed(plays: bool) -> OverlookApp {
     let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
     app.state.live.size = [200, 150];
+    if !plays {
+        app.apply(Command::Time(TimeCommand::Step(1)));
+    }
     wait(&mut app, "the room", |app| app.state.doc.scene.is_some());
+    app
+}
+
+#[test]
+fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_what_it_is_in_figures() {
+    let mut app = welcomed(true);
     let scene = app.state.doc.scene.clone().unwrap();
     assert_eq!((scene.origin.clone(), app.state.look.workspace), (SceneSource::Room, Workspace::Explore));
     assert!(app.state.timeline.playing && scene.frame_count() > 1);
@@ -25,16 +34,10 @@ fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_
     assert!(shown.key.quality.is_some(), "while it plays no picture takes the time of one at rest");
     let stats = shown.picture.stats;
     assert!(stats.holes * 10 < 200 * 150, "{} of the first view's pixels are invented", stats.holes);
-    let bytes = match app.state.content() {
-        Some(Content::Store { bytes, .. }) => *bytes,
-        _ => panic!("it is a store"),
-    };
-    assert!(bytes <= 4_000_000, "{bytes}");
+    let Some(Content::Store { bytes, .. }) = app.state.content() else { panic!("it is a store") };
+    assert!(*bytes <= 4_000_000, "{bytes}");
     // Who takes over before is not set in motion.
-    let mut other = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
-    other.apply(Command::Time(TimeCommand::Step(1)));
-    wait(&mut other, "the room", |app| app.state.doc.scene.is_some());
-    assert!(!other.state.timeline.playing);
+    assert!(!welcomed(false).state.timeline.playing);
     // What has no path is named by none.
     app.apply(Command::View(ViewCommand::CopyAddress));
     assert!(app.state.recent.is_empty());
@@ -42,12 +45,8 @@ fn the_room_that_comes_with_the_program_opens_at_once_in_explore_moves_and_says_
 
 #[test]
 fn a_click_on_the_room_keeps_the_pixel_and_the_point_that_were_pointed_at() {
-    let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
-    app.state.live.size = [200, 150];
-    app.apply(Command::Time(TimeCommand::Step(1)));
-    wait(&mut app, "the room at rest", |app| {
-        app.state.doc.live_shown.as_ref().is_some_and(|shown| shown.key.quality.is_none()) && app.is_idle()
-    });
+    let mut app = welcomed(false);
+    settle(&mut app);
     for (x, y) in [(100, 75), (60, 110), (140, 100), (30, 40)] {
         let spot = Spot::Live { x, y, size: [200, 150] };
         app.apply(Command::Pixel(PixelCommand::Probe(Some(spot))));
@@ -69,10 +68,7 @@ fn a_click_on_the_room_keeps_the_pixel_and_the_point_that_were_pointed_at() {
 
 #[test]
 fn a_click_on_the_room_says_why_its_sample_was_kept_and_a_dropped_pixel_names_the_camera_that_replaces_it() {
-    let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
-    app.state.live.size = [200, 150];
-    app.apply(Command::Time(TimeCommand::Step(1)));
-    wait(&mut app, "the room", |app| app.state.doc.scene.is_some());
+    let mut app = welcomed(false);
     let (mut kept, mut replaced) = (0, 0);
     for (x, y) in (0..40).map(|nth| (37 * nth % 400, 53 * nth % 300)) {
         app.state.doc.probe = InspectedPixel::default();
@@ -80,24 +76,18 @@ fn a_click_on_the_room_says_why_its_sample_was_kept_and_a_dropped_pixel_names_th
         wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
         let probed = app.state.doc.probe.shown.clone().unwrap();
         let explanation = probed.explanation.as_ref().expect("the room says why");
-        assert!(
-            explanation.verdict.is_kept() || probed.point_in_world.is_none(),
-            "a dropped sample has no depth here"
-        );
-        kept += usize::from(explanation.verdict.is_kept());
-        replaced += usize::from(
-            !explanation.verdict.is_kept() && explanation.winner.is_some_and(|winner| winner != 4),
-        );
+        let is_kept = explanation.verdict.is_kept();
+        assert!(is_kept || probed.point_in_world.is_none(), "a dropped sample has no depth here");
+        kept += usize::from(is_kept);
+        replaced += usize::from(!is_kept && explanation.winner.is_some_and(|winner| winner != 4));
     }
     assert!(kept > 0 && replaced > 0, "{kept} kept, {replaced} replaced");
 }
 
 #[test]
 fn the_room_shows_every_camera_s_picture_with_what_became_of_its_pixels_once_they_are_looked_at() {
-    let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Welcome).unwrap();
-    app.state.live.size = [200, 150];
-    app.apply(Command::Time(TimeCommand::Step(1)));
-    wait(&mut app, "the room", |app| app.state.doc.scene.is_some() && app.is_idle());
+    let mut app = welcomed(false);
+    settle(&mut app);
     assert!(app.state.doc.inspected.is_none(), "nobody looks at pictures of cameras");
     app.apply(Command::Window(WindowCommand::Workspace(Workspace::Inspect)));
     let look = SourceLook { overlay: Overlay::WhoWon, ..app.state.source };

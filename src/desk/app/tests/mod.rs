@@ -13,6 +13,7 @@ mod telling;
 mod undoing;
 mod values;
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::app::control::{OverlookApp, Start};
@@ -63,6 +64,30 @@ fn change_path(app: &mut OverlookApp, key: Option<usize>, change: impl FnOnce(&m
     app.apply(Command::Path(command));
 }
 
+/// Gives the camera path two keys with so many pictures between them.
+fn add_path(app: &mut OverlookApp, pictures: usize) {
+    change_path(app, None, |path| path.pictures_per_leg = pictures);
+    for _ in 0..2 {
+        app.apply(Command::Path(PathCommand::AddKey));
+    }
+    app.state.notices.clear();
+}
+
+/// Writes the store of what is open.
+fn save_store(app: &mut OverlookApp, path: &Path) {
+    app.take_path(Purpose::Share(&ways_out::store::STORE), path.to_path_buf());
+    settle(app);
+}
+
+/// The text that was copied last.
+fn copied(app: &OverlookApp) -> Option<String> {
+    let commands = app.ctx.output(|output| output.commands.clone());
+    commands.into_iter().rev().find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text),
+        _ => None,
+    })
+}
+
 /// What happens between two pictures of the window.
 fn step(app: &mut OverlookApp) {
     let ctx = app.ctx.clone();
@@ -76,6 +101,11 @@ impl OverlookApp {
 
     fn notices(&self) -> Vec<String> {
         self.observed().notices
+    }
+
+    /// Whether a message on screen begins like this.
+    fn tells(&self, beginning: &str) -> bool {
+        self.notices().iter().any(|notice| notice.starts_with(beginning))
     }
 }
 
@@ -93,11 +123,12 @@ fn settle(app: &mut OverlookApp) {
     wait(app, "all work to be done", OverlookApp::is_idle);
 }
 
+fn set(app: &mut OverlookApp, path: &'static str, value: impl Into<toml::Value>) {
+    app.apply(Command::Settings(SettingsCommand::Set { path, value: value.into() }));
+}
+
 fn set_method(app: &mut OverlookApp, method: PruningMethod) {
-    app.apply(Command::Settings(SettingsCommand::Set {
-        path: "pruning.method",
-        value: method.to_string().into(),
-    }));
+    set(app, "pruning.method", method.to_string());
 }
 
 #[test]
@@ -116,44 +147,38 @@ fn a_store_records_how_it_was_painted_when_it_was_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
     let mut app = ready(2, 2);
-    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "surfel".into() }));
-    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
-    settle(&mut app);
+    set(&mut app, "render.kernel", "surfel");
+    save_store(&mut app, &path);
     let settings = Store::open(&path).unwrap().info().settings.clone();
     assert_eq!(settings.render, app.state.settings.render);
 }
 
 #[test]
-fn a_kernel_changed_while_time_passes_leaves_no_accuracy_of_the_one_before() {
+fn accuracy_is_that_of_the_kernel_on_screen_also_after_a_change_in_motion_and_after_measuring_was_stopped() {
     let mut app = start(2, 4);
-    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
-    let gathered = app.state.doc.accuracy.unwrap();
+    let measured = |app: &mut OverlookApp| {
+        wait(app, "the accuracy", |app| app.state.doc.accuracy.is_some());
+        app.state.doc.accuracy
+    };
+    let gathered = measured(&mut app);
     app.apply(Command::Time(TimeCommand::TogglePlay));
-    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "point".into() }));
+    set(&mut app, "render.kernel", "point");
     step(&mut app);
     assert!(app.state.doc.accuracy.is_none());
     // Back again, still in motion: what was asked for before is asked for again.
-    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "gather".into() }));
+    set(&mut app, "render.kernel", "gather");
     step(&mut app);
     app.apply(Command::Time(TimeCommand::TogglePlay));
-    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
-    assert_eq!(app.state.doc.accuracy.unwrap(), gathered);
-}
-
-#[test]
-fn accuracy_whose_measuring_was_stopped_is_measured_after_the_next_change() {
-    let mut app = start(2, 4);
-    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
-    let gathered = app.state.doc.accuracy.unwrap();
-    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "point".into() }));
+    // Measuring gives the same numbers each time.
+    assert_eq!(measured(&mut app), gathered);
+    settle(&mut app);
+    set(&mut app, "render.kernel", "point");
     step(&mut app);
     app.apply(Command::Cancel);
     wait(&mut app, "the measuring to stop", |app| app.workers.measure.worker.is_idle());
-    assert_ne!(app.state.doc.accuracy, Some(gathered), "shown with another kernel");
-    app.apply(Command::Settings(SettingsCommand::Set { path: "render.kernel", value: "gather".into() }));
-    wait(&mut app, "the accuracy", |app| app.state.doc.accuracy.is_some());
-    // Measuring gives the same numbers each time.
-    assert_eq!(app.state.doc.accuracy, Some(gathered));
+    assert_ne!(app.state.doc.accuracy, gathered, "shown with another kernel");
+    set(&mut app, "render.kernel", "gather");
+    assert_eq!(measured(&mut app), gathered);
 }
 
 #[test]
@@ -236,9 +261,7 @@ fn thresholds_that_were_taken_back_need_not_be_saved() {
 fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 2);
-    for _ in 0..2 {
-        app.apply(Command::Path(PathCommand::AddKey));
-    }
+    add_path(&mut app, 1);
     set_method(&mut app, PruningMethod::Off);
     for purpose in [
         Purpose::Share(&ways_out::store::STORE),
@@ -258,11 +281,10 @@ fn nothing_is_saved_or_exported_of_a_capture_pruned_with_other_thresholds() {
 }
 
 /// Opens a store of which nothing that is seen at its last frame alone can be read.
-fn open_damaged(folder: &std::path::Path) -> OverlookApp {
+fn open_damaged(folder: &Path) -> OverlookApp {
     let path = folder.join("damaged.ovl");
     let mut app = ready(2, FRAMES);
-    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
-    settle(&mut app);
+    save_store(&mut app, &path);
     let mut bytes = std::fs::read(&path).unwrap();
     let store = Store::open(&path).unwrap();
     let last = store.info().images.iter().filter(|image| image.span.start as usize == FRAMES - 1);
@@ -280,31 +302,24 @@ fn open_damaged(folder: &std::path::Path) -> OverlookApp {
 const FRAMES: usize = 8;
 
 #[test]
-fn damage_that_is_met_while_a_store_plays_is_told_once() {
+fn damage_that_is_met_while_a_store_plays_is_told_once_and_only_as_long_as_the_store_is_open() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = open_damaged(folder.path());
-    let about_damage = |app: &OverlookApp| {
-        app.notices().into_iter().filter(|notice| notice.starts_with("The store is damaged")).count()
-    };
-    assert_eq!(about_damage(&app), 0, "what is shown first is whole");
+    let tells = |app: &OverlookApp| app.tells("The store is damaged");
+    assert!(!tells(&app), "what is shown first is whole");
+    app.state.notices.clear();
     app.apply(Command::Time(TimeCommand::Frame(FRAMES - 1)));
+    wait(&mut app, "the warning", tells);
+    let warning = app.state.notices.clone();
     settle(&mut app);
-    wait(&mut app, "the warning", |app| about_damage(app) > 0);
     app.state.notices.clear();
     for frame in [0, FRAMES - 1] {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
         settle(&mut app);
     }
-    assert_eq!(about_damage(&app), 0);
-}
-
-#[test]
-fn warnings_about_a_scene_end_with_it_and_those_about_files_stay() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut app = open_damaged(folder.path());
-    app.state.notices.clear();
-    app.apply(Command::Time(TimeCommand::Frame(FRAMES - 1)));
-    wait(&mut app, "the warning", |app| !app.state.notices.is_empty());
+    assert!(!tells(&app));
+    // One about files stays.
+    app.state.notices = warning;
     let exported = Exported { said: "2 pictures".into(), notice: None, damage: vec!["frame 8".into()] };
     app.receive(Message::Exported { path: "pictures".into(), exported });
     app.open_demo(orrery(2, 2));
@@ -370,27 +385,16 @@ fn pictures_exported_from_a_damaged_store_come_with_a_warning() {
         app.apply(Command::Path(PathCommand::AddKey));
     }
     app.take_path(Purpose::Share(&ways_out::pictures::PICTURES), pictures.clone());
-    let warns = |app: &OverlookApp| {
-        app.notices().iter().any(|notice| notice.starts_with("Exported from a damaged store"))
-    };
-    wait(&mut app, "the warning", warns);
+    wait(&mut app, "the warning", |app| app.tells("Exported from a damaged store"));
     assert_eq!(std::fs::read_dir(&pictures).unwrap().count(), 2);
 }
 
 #[test]
 fn an_export_that_the_gpu_was_asked_for_and_did_not_paint_says_so() {
     let mut app = ready(2, 2);
-    let exported = Exported {
-        said: "2 pictures".into(),
-        notice: Some("the CPU renders: no adapter".into()),
-        damage: Vec::new(),
-    };
+    let notice = Some("the CPU renders: no adapter".into());
+    let exported = Exported { said: "2 pictures".into(), notice, damage: Vec::new() };
     app.receive(Message::Exported { path: "film.mp4".into(), exported });
-    assert_eq!(
-        app.notices(),
-        [
-            "Exported: 2 pictures in film.mp4",
-            "Exported without the GPU: Of film.mp4: the CPU renders: no adapter"
-        ]
-    );
+    let told = "Exported without the GPU: Of film.mp4: the CPU renders: no adapter";
+    assert_eq!(app.notices(), ["Exported: 2 pictures in film.mp4", told]);
 }

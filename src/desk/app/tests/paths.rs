@@ -13,7 +13,7 @@ use crate::app::model::{Command, Message};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::path::SavedPathKey;
 use crate::app::rooms::pixel::state::Spot;
-use crate::app::tests::{change_path, ready, set_method, settle, start, step, wait};
+use crate::app::tests::{add_path, change_path, ready, save_store, set_method, settle, start, step, wait};
 use crate::ways_out;
 use overlook_engine::settings::{PruningMethod, Settings};
 
@@ -27,13 +27,9 @@ fn asks_to_replace(app: &OverlookApp) -> bool {
     app.state.typed_path.as_ref().is_some_and(|typed| typed.replaces)
 }
 
-/// A path of two pictures.
-fn add_path(app: &mut OverlookApp) {
-    change_path(app, None, |path| path.pictures_per_leg = 1);
-    for _ in 0..2 {
-        app.apply(Command::Path(PathCommand::AddKey));
-    }
-    app.state.notices.clear();
+/// Takes a path from the system's dialog.
+fn choose_path(app: &mut OverlookApp, purpose: Purpose, path: &Path) {
+    app.receive(Message::PathChosen { purpose, path: Some(path.to_path_buf()) });
 }
 
 #[test]
@@ -46,11 +42,8 @@ fn a_dialog_that_gives_no_path_is_never_silent() {
         (app.state.typed_path.take().map(|typed| typed.text), app.notices(), app.has_dialogs)
     };
     for soon in [0, 900] {
-        assert_eq!(
-            answer(soon),
-            (Some("orrery.ovl".to_owned()), Vec::new(), false),
-            "the next is typed at once"
-        );
+        let typed = (Some("orrery.ovl".to_owned()), Vec::new(), false);
+        assert_eq!(answer(soon), typed, "the next is typed at once");
     }
     let (typed, notices, has_dialogs) = answer(60_000);
     assert_eq!((typed, has_dialogs), (None, true));
@@ -75,9 +68,6 @@ fn a_file_that_stands_at_a_typed_path_is_replaced_only_after_a_question() {
     settle(&mut app);
     assert!(app.state.typed_path.is_none());
     assert_eq!(std::fs::read_to_string(&path).unwrap(), app.state.settings.to_toml());
-    let new = folder.path().join("new.toml");
-    type_path(&mut app, Purpose::SaveSettings, &new);
-    wait(&mut app, "the new file", |app| app.state.typed_path.is_none() && new.is_file());
 }
 
 #[test]
@@ -87,20 +77,18 @@ fn pictures_are_put_beside_other_files_only_after_a_question() {
     std::fs::create_dir(&used).unwrap();
     std::fs::create_dir(&empty).unwrap();
     std::fs::write(used.join("0001.png"), "old").unwrap();
+    let pictures = Purpose::Share(&ways_out::pictures::PICTURES);
     let mut app = ready(2, 2);
-    add_path(&mut app);
-    type_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURES), &used);
+    add_path(&mut app, 1);
+    type_path(&mut app, pictures, &used);
     wait(&mut app, "the question", asks_to_replace);
     app.apply(Command::File(FileCommand::CloseTypedPath));
-    app.receive(Message::PathChosen {
-        purpose: Purpose::Share(&ways_out::pictures::PICTURES),
-        path: Some(used.clone()),
-    });
+    choose_path(&mut app, pictures, &used);
     wait(&mut app, "the question after the dialog", asks_to_replace);
     app.apply(Command::Escape);
     assert_eq!(std::fs::read_to_string(used.join("0001.png")).unwrap(), "old");
     for folder in [empty, new] {
-        type_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURES), &folder);
+        type_path(&mut app, pictures, &folder);
         wait(&mut app, "the pictures", |_| folder.join("0002.png").is_file());
     }
 }
@@ -109,14 +97,12 @@ fn pictures_are_put_beside_other_files_only_after_a_question() {
 fn a_typed_path_that_cannot_be_written_comes_back_to_be_mended() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing/small.ovl");
+    let store = Purpose::Share(&ways_out::store::STORE);
     let mut app = ready(2, 2);
-    type_path(&mut app, Purpose::Share(&ways_out::store::STORE), &path);
+    type_path(&mut app, store, &path);
     wait(&mut app, "the error", |app| !app.state.notices.is_empty());
     let typed = app.state.typed_path.take().unwrap();
-    assert_eq!(
-        (typed.purpose, typed.text),
-        (Purpose::Share(&ways_out::store::STORE), path.display().to_string())
-    );
+    assert_eq!((typed.purpose, typed.text), (store, path.display().to_string()));
     let reason = typed.reason.unwrap();
     assert!(reason.contains("check the path") && !reason.contains(".overlook-"), "{reason}");
 }
@@ -134,29 +120,23 @@ fn no_path_is_asked_for_where_there_is_no_camera_path_to_export() {
 }
 
 #[test]
-fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen() {
+fn exported_pictures_are_as_large_as_the_largest_camera_or_as_was_chosen_of_sizes_in_its_shape() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = start(2, 2);
     app.state.live.size = [31, 23];
     settle(&mut app);
-    add_path(&mut app);
+    assert_eq!(app.state.offered_sizes(), [[48, 36], [1280, 960], [1920, 1440], [3840, 2880]]);
+    add_path(&mut app, 1);
     for (chosen, expected) in [(None, (48, 36)), (Some([65, 30]), (64, 30))] {
         if let Some(size) = chosen {
             change_path(&mut app, None, |path| path.size = Some(size));
         }
         let pictures = folder.path().join(format!("{expected:?}"));
         app.take_path(Purpose::Share(&ways_out::pictures::PICTURES), pictures.clone());
-        wait(&mut app, "the pictures", |app| app.notices().iter().any(|told| told.starts_with("Exported")));
+        wait(&mut app, "the pictures", |app| app.tells("Exported"));
         app.state.notices.clear();
         assert_eq!(image::image_dimensions(pictures.join("0001.png")).unwrap(), expected);
     }
-}
-
-#[test]
-fn sizes_are_offered_in_the_shape_of_the_largest_camera() {
-    let app = ready(2, 2);
-    assert_eq!(app.state.offered_sizes(), [[48, 36], [1280, 960], [1920, 1440], [3840, 2880]]);
-    assert_eq!(app.state.export_size(), [48, 36]);
 }
 
 #[test]
@@ -242,8 +222,7 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
     let mut app = ready(2, 2);
     set_method(&mut app, PruningMethod::Off);
     settle(&mut app);
-    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
-    settle(&mut app);
+    save_store(&mut app, &path);
     let loaded = || Message::SettingsLoaded { path: "kept.toml".into(), settings: Settings::default() };
     app.state.notices.clear();
     app.receive(loaded());
@@ -253,33 +232,26 @@ fn settings_loaded_beside_a_store_do_not_claim_to_have_changed_its_thresholds() 
     app.state.notices.clear();
     app.receive(loaded());
     assert!(app.notices()[0].contains("captures opened from now on"), "{:?}", app.notices());
+    assert_eq!(app.state.settings.pruning.method, PruningMethod::HighestRate);
+    assert_eq!(app.state.shown_settings().pruning.method, PruningMethod::Off, "those of the store are shown");
 }
 
 #[test]
 fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
     let folder = tempfile::tempdir().unwrap();
     let [bare, png, jpg] = ["view", "view.png", "view.jpg"].map(|name| folder.path().join(name));
+    let picture = Purpose::Share(&ways_out::pictures::PICTURE);
     let mut app = ready(2, 2);
     app.apply(Command::View(ViewCommand::look(&app.state.live, |live| live.color_by = ColorBy::Camera)));
     settle(&mut app);
-    for chosen in [false, true] {
-        if chosen {
-            app.receive(Message::PathChosen {
-                purpose: Purpose::Share(&ways_out::pictures::PICTURE),
-                path: Some(jpg.clone()),
-            });
-        } else {
-            type_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURE), &jpg);
-        }
+    for take in [choose_path, type_path] {
+        take(&mut app, picture, &jpg);
         let typed = app.state.typed_path.take().unwrap();
         assert_eq!(typed.reason.unwrap(), "A picture is written as PNG or EXR; name it .png or .exr.");
     }
-    app.receive(Message::PathChosen {
-        purpose: Purpose::Share(&ways_out::pictures::PICTURE),
-        path: Some(bare.clone()),
-    });
+    choose_path(&mut app, picture, &bare);
     wait(&mut app, "the picture", |_| png.is_file());
-    type_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURE), &bare);
+    type_path(&mut app, picture, &bare);
     wait(&mut app, "the question", asks_to_replace);
     assert!(!bare.exists() && !jpg.exists());
     let saved = image::open(&png).unwrap().into_rgb8();
@@ -291,22 +263,15 @@ fn a_picture_is_saved_as_it_is_shown_and_under_the_name_of_its_format_alone() {
 #[test]
 fn a_picture_of_this_view_is_saved_in_a_chosen_size_with_alpha() {
     let folder = tempfile::tempdir().unwrap();
-    let [png, exr] = ["view.png", "view.exr"].map(|name| folder.path().join(name));
+    let png = folder.path().join("view.png");
     let mut app = ready(2, 2);
     app.state.share.options.picture_size = Some([96, 72]);
     app.apply(Command::Display(Display { background: Background::Transparent, ..Display::default() }));
     // From afar, so that there is sky around the scene.
     app.apply(Command::View(ViewCommand::Dolly(4.0, None)));
     settle(&mut app);
-    for file in [&png, &exr] {
-        app.receive(Message::PathChosen {
-            purpose: Purpose::Share(&ways_out::pictures::PICTURE),
-            path: Some(file.clone()),
-        });
-        wait(&mut app, "the picture", |app| app.notices().iter().any(|told| told.contains("96×72")));
-        app.state.notices.clear();
-        assert!(file.is_file());
-    }
+    choose_path(&mut app, Purpose::Share(&ways_out::pictures::PICTURE), &png);
+    wait(&mut app, "the picture", |app| app.notices().iter().any(|told| told.contains("96×72")));
     let saved = image::open(&png).unwrap().into_rgba8();
     assert_eq!(saved.dimensions(), (96, 72));
     let alphas: Vec<u8> = saved.pixels().map(|pixel| pixel.0[3]).collect();

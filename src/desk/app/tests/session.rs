@@ -12,7 +12,6 @@ use crate::app::rooms::compare::state::{CompareMode, CompareVantage};
 use crate::app::rooms::path::SavedPathKey;
 use crate::app::rooms::timeline::TimeCommand;
 use crate::app::tests::edits::{delete, open};
-use crate::ways_out;
 use overlook_engine::capture::transforms::Easing;
 use overlook_engine::edits::Region;
 
@@ -25,14 +24,8 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
     let keys: Vec<_> = state.doc.path.keys.iter().map(|key| (pose(key), key.frame)).collect();
     (
         (state.settings.clone(), state.doc.edits.list.clone(), state.doc.path.pictures_per_leg, keys),
-        (
-            state.live.orbit.clone(),
-            state.live.up,
-            state.timeline.frame,
-            state.look.workspace,
-            app.dock.to_json(),
-        ),
-        (state.doc.path.easing, state.doc.path.looks_at),
+        (state.live.orbit.clone(), state.live.up, state.timeline.frame, state.look.workspace),
+        (state.doc.path.easing, state.doc.path.looks_at, app.dock.to_json()),
         (
             (state.source.overlay, state.source.camera, state.live.color_by, state.live.holes, state.display),
             (state.live.cameras.clone(), state.timeline.markers.clone(), state.timeline.range),
@@ -60,11 +53,7 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     let mut app = ready(2, 1);
     assert!(app.state.doc.scene.as_ref().is_some_and(|scene| matches!(scene.origin, SceneSource::Demo(_))));
     app.apply(Command::File(FileCommand::AskPath(Purpose::SaveSession)));
-    assert!(
-        app.notices().iter().any(|notice| notice.starts_with("No session to save")),
-        "{:?}",
-        app.notices()
-    );
+    assert!(app.tells("No session to save"), "{:?}", app.notices());
     open_pruned_otherwise_and_cut(&mut app);
     for (frame, angle) in [(0, 0.1), (2, -0.2)] {
         app.apply(Command::Time(TimeCommand::Frame(frame)));
@@ -94,17 +83,13 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     app.apply(Command::View(ViewCommand::CopyAddress));
     settle(&mut app);
     app.take_path(Purpose::SaveSession, session.clone());
-    app.take_path(Purpose::Share(&ways_out::store::STORE), store.clone());
-    settle(&mut app);
+    save_store(&mut app, &store);
     let before = held(&app);
     assert_eq!(app.state.unsaved_work(), None, "what a session holds is saved");
 
     let text = std::fs::read_to_string(&session).unwrap();
-    assert_eq!(
-        text.matches("transform_matrix").count(),
-        2,
-        "the keys of the path are written, not each picture"
-    );
+    let poses = text.matches("transform_matrix").count();
+    assert_eq!(poses, 2, "the keys of the path are written, not each picture");
     assert!(text.lines().nth(1).unwrap().contains("--set pruning.depth_tolerance=2"), "{text}");
     let mut other = OverlookApp::new(&egui::Context::default(), None, None, Start::Path(session)).unwrap();
     other.state.live.size = [48, 36];
@@ -122,20 +107,12 @@ fn a_session_opens_again_with_settings_edits_path_view_and_layout_and_gives_the_
     assert!(is_pictured(&other) == [true, false] && other.state.timeline.frame == 0);
     other.apply(Command::View(ViewCommand::Back));
     assert_eq!(other.state.live.orbit, left);
-    other.take_path(Purpose::Share(&ways_out::store::STORE), again.clone());
-    settle(&mut other);
+    save_store(&mut other, &again);
     assert!(std::fs::read(store).unwrap() == std::fs::read(again).unwrap(), "another store");
 }
 
 #[test]
 fn the_command_that_prunes_the_same_is_copied_and_what_has_none_says_so() {
-    let copied = |app: &OverlookApp| {
-        let commands = app.ctx.output(|output| output.commands.clone());
-        commands.into_iter().rev().find_map(|command| match command {
-            egui::OutputCommand::CopyText(text) => Some(text),
-            _ => None,
-        })
-    };
     let mut app = ready(2, 1);
     app.apply(Command::File(FileCommand::CopyCommandLine));
     assert!(copied(&app).is_none() && app.notices()[0].starts_with("No session to save"));
@@ -154,17 +131,13 @@ fn a_session_whose_capture_is_gone_or_that_is_damaged_says_so_and_leaves_what_is
     let path = folder.path().join("a.overlook");
     let mut app = ready(2, 1);
     let id = app.state.doc.scene.as_ref().unwrap().id;
-    for (text, words) in
-        [("version = 1\nopens = \"gone\"\nup = [0, 0, 1]\n", "gone"), ("nonsense", "line 1: ")]
-    {
+    let of_gone = "version = 1\nopens = \"gone\"\nup = [0, 0, 1]\n";
+    for (text, words) in [(of_gone, "gone"), ("nonsense", "line 1: ")] {
         std::fs::write(&path, text).unwrap();
         app.apply(Command::File(FileCommand::Open(Opening::Path(path.clone()))));
         settle(&mut app);
-        let notices = app.notices();
-        assert!(
-            notices.iter().any(|notice| notice.starts_with("Could not open") && notice.contains(words)),
-            "{notices:?}"
-        );
+        let is_it = |notice: &String| notice.starts_with("Could not open") && notice.contains(words);
+        assert!(app.notices().iter().any(is_it), "{:?}", app.notices());
         assert_eq!(app.state.doc.scene.as_ref().unwrap().id, id);
         app.state.notices.clear();
     }

@@ -1,16 +1,14 @@
 //! What is shared and stopped, and addresses to the last bit.
 
-use glam::DVec2;
-
 use crate::app::control::{OverlookApp, Start};
 use crate::app::model::Command;
-use crate::app::model::command::{ChartCommand, FileCommand, Opening, PathCommand, ViewCommand};
+use crate::app::model::command::{ChartCommand, FileCommand, Opening, ViewCommand};
 use crate::app::model::picture::ColorBy;
 use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::rooms::charts::state::{Found, Study};
 use crate::app::rooms::share::state::{ShareOutcome, SharePreviewKey};
 use crate::app::rooms::timeline::TimeCommand;
-use crate::app::tests::{change_path, ready, settle, wait};
+use crate::app::tests::{add_path, copied, ready, save_store, settle, wait};
 use crate::app::work::worker::Wanted;
 use crate::ways_out;
 use crate::ways_out::{Options, Way};
@@ -104,16 +102,13 @@ fn what_a_budget_leaves_is_seen_before_it_is_made_and_less_is_farther_from_all()
 fn pictures_along_the_path_show_what_the_live_view_shows() {
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 2);
-    change_path(&mut app, None, |path| path.pictures_per_leg = 1);
-    for _ in 0..2 {
-        app.apply(Command::Path(PathCommand::AddKey));
-    }
+    add_path(&mut app, 1);
     assert_eq!(app.state.film_look(), None);
     let written = |app: &mut OverlookApp, name: &str| {
         let pictures = folder.path().join(name);
         app.state.notices.clear();
         app.take_path(Purpose::Share(&ways_out::pictures::PICTURES), pictures.clone());
-        wait(app, "the pictures", |app| app.notices().iter().any(|told| told.starts_with("Exported")));
+        wait(app, "the pictures", |app| app.tells("Exported"));
         image::open(pictures.join("0002.png")).unwrap().into_rgb8()
     };
     let plain = written(&mut app, "plain");
@@ -161,32 +156,20 @@ fn what_cannot_be_written_is_said_in_the_dialog_and_can_be_mended() {
     assert!(app.notices().is_empty(), "it is not said twice");
 }
 
-fn copied_address(app: &mut OverlookApp) -> String {
-    app.apply(Command::View(ViewCommand::CopyAddress));
-    let commands = app.ctx.output(|output| output.commands.clone());
-    let mut texts = commands.into_iter().filter_map(|command| match command {
-        egui::OutputCommand::CopyText(text) => Some(text),
-        _ => None,
-    });
-    texts.next_back().unwrap()
-}
-
 #[test]
 fn an_address_gives_back_the_viewpoint_and_the_frame_to_the_last_bit() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("small.ovl");
     let mut app = ready(2, 4);
-    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
-    settle(&mut app);
-    for (nth, angles) in
-        [DVec2::new(0.3, 0.1), DVec2::new(-2.1, -0.4), DVec2::new(1e-7, 0.0)].into_iter().enumerate()
-    {
-        app.apply(Command::View(ViewCommand::Orbit(angles)));
+    save_store(&mut app, &path);
+    for (nth, angles) in [[0.3, 0.1], [-2.1, -0.4], [1e-7, 0.0]].into_iter().enumerate() {
+        app.apply(Command::View(ViewCommand::Orbit(angles.into())));
         let orbit = app.state.live.orbit.as_mut().unwrap();
         orbit.set_angle_of_view(0.5 + nth as f64 / 7.0);
         app.apply(Command::Time(TimeCommand::Frame(nth + 1)));
         let before = app.state.live.orbit.clone().unwrap();
-        let address = copied_address(&mut app);
+        app.apply(Command::View(ViewCommand::CopyAddress));
+        let address = copied(&app).unwrap();
         let (_, view) = address.split_once('#').unwrap();
         let shown = app.state.live.orbit.clone().unwrap();
         let moved = shown.world_from_camera.translation - before.world_from_camera.translation;
@@ -196,9 +179,8 @@ fn an_address_gives_back_the_viewpoint_and_the_frame_to_the_last_bit() {
         app.apply(Command::View(ViewCommand::GoToAddress(address.clone())));
         assert_eq!((app.state.live.orbit.as_ref(), app.state.timeline.frame), (Some(&shown), nth + 1));
         // The same view of the store, which is another scene.
-        app.apply(Command::File(FileCommand::Open(Opening::Path(
-            format!("{}#{view}", path.display()).into(),
-        ))));
+        let there = format!("{}#{view}", path.display());
+        app.apply(Command::File(FileCommand::Open(Opening::Path(there.into()))));
         wait(&mut app, "the store", |app| app.state.doc.scene.is_some() && app.state.opening.is_none());
         settle(&mut app);
         assert_eq!((app.state.live.orbit.as_ref(), app.state.timeline.frame), (Some(&shown), nth + 1));

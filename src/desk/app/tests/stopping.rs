@@ -4,19 +4,15 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::app::control::{OverlookApp, Start};
-use crate::app::model::command::{ChartCommand, PathCommand, PixelCommand};
+use crate::app::model::command::{ChartCommand, PixelCommand};
 use crate::app::model::purpose::Purpose;
 use crate::app::model::{Command, WorkKind};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::report::ui::figures;
-use crate::app::tests::{change_path, orrery, ready, set_method, settle, step, wait};
+use crate::app::tests::{add_path, orrery, ready, set_method, settle, step, wait};
 use crate::ways_out;
-use overlook_engine::settings::{PruningMethod, Settings};
-
-fn has_notice(app: &OverlookApp, title: &str) -> bool {
-    app.notices().iter().any(|notice| notice.starts_with(title))
-}
+use overlook_engine::settings::PruningMethod;
 
 #[test]
 fn of_files_asked_for_one_after_the_other_each_is_written() {
@@ -37,16 +33,13 @@ fn cancelling_stops_only_what_is_named_and_an_export_that_was_stopped_says_so() 
     let folder = tempfile::tempdir().unwrap();
     let mut app = ready(2, 4);
     app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
-    change_path(&mut app, None, |path| path.pictures_per_leg = 2000);
-    for _ in 0..2 {
-        app.apply(Command::Path(PathCommand::AddKey));
-    }
+    add_path(&mut app, 2000);
     app.take_path(Purpose::Share(&ways_out::pictures::PICTURES), folder.path().join("pictures"));
     app.watch_work();
     assert_eq!(app.state.busy[0].work, WorkKind::Export);
     app.apply(Command::Cancel);
     assert!(app.state.doc.charts.studying, "the sweep stands behind it in the line");
-    wait(&mut app, "a word about the export", |app| has_notice(app, "Export stopped: Only the pictures"));
+    wait(&mut app, "a word about the export", |app| app.tells("Export stopped: Only the pictures"));
     assert!(app.workers.export.is_idle() && !app.workers.study.is_idle());
     app.state.notices.clear();
     app.watch_work();
@@ -131,7 +124,7 @@ fn a_first_frame_that_cannot_be_read_says_so_and_is_tried_again_on_demand() {
     std::fs::write(&picture, &whole[..whole.len() / 2]).unwrap();
     let mut app = OverlookApp::new(&egui::Context::default(), None, None, Start::Path(capture)).unwrap();
     wait(&mut app, "the failure", |app| app.state.doc.stopped);
-    assert!(has_notice(&app, "Could not read this frame") && app.state.is_frame_failed());
+    assert!(app.tells("Could not read this frame") && app.state.is_frame_failed());
     std::fs::write(&picture, &whole).unwrap();
     app.apply(Command::Recompute);
     assert!(!app.state.is_frame_failed());
@@ -167,17 +160,4 @@ fn paths_are_remembered_so_that_they_hold_wherever_the_window_is_started() {
     assert!(app.state.notices[0].text.contains(&here.join("no such folder").display().to_string()));
     app.open_path("missing.ovl".as_ref());
     assert_eq!(app.state.opening, Some(here.join("missing.ovl").display().to_string()));
-}
-
-#[test]
-fn settings_kept_beside_a_store_are_those_that_it_shows() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("small.ovl");
-    let mut app = ready(2, 2);
-    app.take_path(Purpose::Share(&ways_out::store::STORE), path.clone());
-    settle(&mut app);
-    set_method(&mut app, PruningMethod::Off);
-    app.open_path(&path);
-    wait(&mut app, "the store", |app| !app.state.has_capture());
-    assert_eq!(app.state.shown_settings().pruning, Settings::default().pruning);
 }

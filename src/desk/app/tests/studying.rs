@@ -1,7 +1,7 @@
 //! What is measured on demand beside charts: the ranking of cameras, and tuning.
 
 use super::telling::view_says;
-use super::{ready, settle, step, wait};
+use super::{OverlookApp, ready, set, settle, step, wait};
 use crate::app::model::Command;
 use crate::app::model::command::{ChartCommand, EditCommand, SettingsCommand, WindowCommand};
 use crate::app::model::window::{DockView, Workspace};
@@ -28,7 +28,7 @@ fn cameras_are_ranked_until_an_edit_or_a_setting_changes_and_a_stopped_ranking_g
     }
     app.apply(rank.clone());
     settle(&mut app);
-    let names = |app: &crate::app::OverlookApp| {
+    let names = |app: &OverlookApp| {
         let mut names: Vec<String> =
             app.state.doc.charts.ranking.iter().map(|camera| camera.name.clone()).collect();
         names.sort();
@@ -38,14 +38,14 @@ fn cameras_are_ranked_until_an_edit_or_a_setting_changes_and_a_stopped_ranking_g
         app.state.doc.scene.as_ref().unwrap().cameras.iter().map(|camera| camera.name.clone()).collect();
     assert_eq!(names(&app), cameras);
     let stale = "rank again to see what is needless now";
-    let says = |app: &crate::app::OverlookApp, text: &str| view_says(&app.state, DockView::Cameras, text);
+    let says = |app: &OverlookApp, text: &str| view_says(&app.state, DockView::Cameras, text);
     assert!(!says(&app, stale) && !says(&app, "Left out") && says(&app, "Leave out"));
 
     app.apply(Command::Edit(EditCommand::LeaveOut(vec![1])));
     assert!(says(&app, stale) && says(&app, "Left out"));
     app.apply(Command::Undo);
     assert!(!says(&app, stale) && !says(&app, "Left out"));
-    app.apply(Command::Settings(SettingsCommand::Set { path: "pruning.depth_tolerance", value: 2.0.into() }));
+    set(&mut app, "pruning.depth_tolerance", 2.0);
     assert!(says(&app, "Made with other settings"));
     app.apply(Command::Edit(EditCommand::LeaveOut(vec![1])));
     app.apply(rank);

@@ -75,7 +75,7 @@ fn a_capture_whose_up_was_taken_from_the_cameras_asks_once_and_takes_again_what_
     app.apply(Command::View(ViewCommand::Up(Some(up))));
     open(&mut app);
     assert_eq!(app.state.up_in_world(), up);
-    assert_eq!(app.state.live.orbit.as_ref().unwrap().up_in_world(), up);
+    assert_eq!(app.state.live.orbit.as_ref().unwrap().up_in_world, up);
     app.apply(Command::View(ViewCommand::Up(None)));
     open(&mut app);
     assert_eq!(app.state.up_in_world(), recorded);
