@@ -122,7 +122,7 @@ impl OverlookApp {
             workers,
             dock,
             inbox,
-            unread: outbox.unread(),
+            unread: outbox.unread,
             commands: Vec::new(),
             has_dialogs: false,
             asked_at: None,

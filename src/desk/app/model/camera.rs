@@ -30,6 +30,23 @@ const ZOOM: [f64; 2] = [1e-5, 1e6];
 /// Cameras at their pivot count as this far from it.
 const LEAST_DISTANCE: f64 = 1e-12;
 
+/// Narrowest and widest horizontal angle of view, radians.
+pub(crate) const ANGLES_OF_VIEW: [f64; 2] = [PI / 180.0, 160.0 * PI / 180.0];
+
+/// Lines of sight whose horizontal part is shorter are taken as vertical.
+const VERTICAL: f64 = 1e-9;
+
+/// Where a line of sight points, and how the camera is turned about it; radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ViewAngles {
+    /// From north to the right, −π to π.
+    pub heading: f64,
+    /// From the horizon upward, −π/2 to π/2.
+    pub pitch: f64,
+    /// Clockwise about the line of sight, −π to π.
+    pub roll: f64,
+}
+
 /// The pose and lens of the live view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct OrbitCamera {
@@ -221,33 +238,7 @@ impl OrbitCamera {
     pub(crate) fn fly(&mut self, steps: DVec3) {
         self.world_from_camera.translation += self.world_from_camera.matrix3 * steps * self.pivot_distance;
     }
-}
 
-/// From the first camera to what the cameras look at.
-fn home_distance(scene: &OpenScene) -> f64 {
-    let first =
-        scene.cameras.first().map(|camera| (camera.position_in_world() - scene.pivot_in_world).length());
-    first.unwrap_or(1.0).max(LEAST_DISTANCE)
-}
-
-/// Narrowest and widest horizontal angle of view, radians.
-pub(crate) const ANGLES_OF_VIEW: [f64; 2] = [PI / 180.0, 160.0 * PI / 180.0];
-
-/// Lines of sight whose horizontal part is shorter are taken as vertical.
-const VERTICAL: f64 = 1e-9;
-
-/// Where a line of sight points, and how the camera is turned about it; radians.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ViewAngles {
-    /// From north to the right, −π to π.
-    pub heading: f64,
-    /// From the horizon upward, −π/2 to π/2.
-    pub pitch: f64,
-    /// Clockwise about the line of sight, −π to π.
-    pub roll: f64,
-}
-
-impl OrbitCamera {
     /// East and north on the ground: for an up of z, x and y.
     fn compass(&self) -> [DVec3; 2] {
         let up = self.up_in_world;
@@ -310,6 +301,13 @@ impl OrbitCamera {
     pub(crate) fn level(&mut self) {
         self.set_angles(ViewAngles { roll: 0.0, ..self.angles() });
     }
+}
+
+/// From the first camera to what the cameras look at.
+fn home_distance(scene: &OpenScene) -> f64 {
+    let first =
+        scene.cameras.first().map(|camera| (camera.position_in_world() - scene.pivot_in_world).length());
+    first.unwrap_or(1.0).max(LEAST_DISTANCE)
 }
 
 #[cfg(test)]

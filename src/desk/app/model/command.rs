@@ -152,7 +152,7 @@ pub(crate) enum SourceCommand {
 /// What can be done to the live view's camera and to what surrounds its picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ViewCommand {
-    /// Take another camera, whose numbers were changed.
+    /// Take a camera whose numbers were changed.
     Camera(Box<OrbitCamera>),
     /// Look at the pivot along a direction in world space.
     LookAlong(DVec3),
@@ -165,7 +165,6 @@ pub(crate) enum ViewCommand {
     Back,
     /// To the view that was left by going back.
     Forward,
-    /// What concerns views that are kept.
     Kept(KeptViewCommand),
     /// Ask the system for what was copied.
     Paste,
@@ -197,12 +196,10 @@ pub(crate) enum ViewCommand {
     Focus(DVec3),
 }
 
-/// What can be done with views that are kept.
+/// What can be done with views that are kept; one is named by its place in the list.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum KeptViewCommand {
-    /// Put the view into the list of those that are kept.
     Keep,
-    /// Go to a kept view, by its place in the list.
     GoTo(usize),
     /// Put a changed list in the place of the one that is there.
     Change(Vec<KeptView>),
@@ -264,7 +261,6 @@ pub(crate) enum ChartCommand {
     Disturbance(String),
     /// Ask what to measure and for how long; `None` closes the question.
     Ask(Option<Study>),
-    /// Choose what to measure.
     Choose(Study, Box<StudyChoice>),
     /// Leave a series of a chart out, by its name, or show it again.
     Toggle(Study, String),

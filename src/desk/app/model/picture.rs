@@ -92,7 +92,6 @@ pub(crate) struct LiveKey {
     pub inspection: Option<Same<FrameInspection>>,
     pub holes: HoleDisplay,
     pub display: Display,
-    /// The cameras whose samples are shown.
     pub cameras: ShownCameras,
     /// Dark or light, as holes use a color of the theme.
     pub dark: bool,
@@ -198,11 +197,6 @@ impl Overlay {
     /// Whether it shows what became of the pixels.
     pub(crate) fn needs_verdicts(self) -> bool {
         !matches!(self, Self::Color | Self::Depth)
-    }
-
-    /// Whether its colors are those of cameras.
-    pub(crate) fn names_cameras(self) -> bool {
-        self == Self::WhoWon
     }
 
     /// Every choice in the order of the menu: its name, and what it shows.

@@ -9,34 +9,24 @@ use crate::ways_out::figure::FIGURE;
 pub(crate) use crate::ways_out::figure::FigureOf;
 use crate::ways_out::{Action, FileKind, Options, Way};
 
-/// What a chosen path is for.
+/// What a chosen path is for; [`Purpose::asked`] has the words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// Open a store or a manifest.
     OpenFile,
-    /// Open the folder of a capture.
     OpenFolder,
     /// Write what the dialog of all ways out makes.
     Share(&'static FileKind),
-    /// Write the settings as TOML.
     SaveSettings,
-    /// Read settings from TOML.
     LoadSettings,
     /// Write a table, in the form that the ending of its file says.
     SaveTable(Table),
     /// Write the chart of a study, in the format that the ending of its file says.
     SaveChart(Study),
-    /// Write the camera path as a manifest.
     SavePath,
-    /// Read a camera path from a manifest.
     LoadPath,
-    /// Read pictures that another program made.
     OpenPictures,
-    /// Write the edit list as TOML.
     SaveEdits,
-    /// Read an edit list from TOML.
     LoadEdits,
-    /// Write what is open and all that was set about it.
     SaveSession,
 }
 

@@ -59,7 +59,6 @@ pub(crate) struct Busy {
 
 /// What the window knows.
 pub(crate) struct State {
-    /// What is open, and what is known of it.
     pub doc: Document,
     /// What is being opened, in words.
     pub opening: Option<String>,
@@ -71,13 +70,11 @@ pub(crate) struct State {
     pub notices: Vec<Notice>,
     pub inspector: Inspector,
     pub typed_path: Option<TypedPath>,
-    /// The dialog of all ways out.
     pub share: ShareDialog,
     /// What is to be opened once the question about what is lost is answered.
     pub open_after_question: Option<Opening>,
     pub dark: bool,
     pub look: WindowLook,
-    /// How both views show color.
     pub display: Display,
     /// What was open lately, the latest first.
     pub recent: Vec<PathBuf>,
@@ -379,10 +376,8 @@ impl Default for State {
 
 /// A picture that is shown, and what it was made from.
 pub(crate) struct ShownPicture<K, P> {
-    /// What it was made from.
     pub key: K,
     pub picture: Arc<P>,
-    /// The picture on the graphics card.
     pub texture: Texture,
 }
 
@@ -392,7 +387,7 @@ pub(crate) struct Document {
     pub scene: Option<Arc<OpenScene>>,
     /// The pass over all frames of the open capture.
     pub scan: Option<Arc<PreparedScan>>,
-    /// The whole capture, pruned; perhaps by older settings.
+    /// Perhaps by older settings.
     pub whole: Option<Whole>,
     /// Seconds that reading all frames took; `None` before they were read.
     pub read_seconds: Option<f64>,
@@ -410,7 +405,6 @@ pub(crate) struct Document {
     /// What the last change of settings did.
     pub change: SettingsChange,
     pub source_shown: Option<ShownPicture<SourceKey, SourcePicture>>,
-    /// How the live view moves.
     pub motion: ViewMotion,
     /// The live picture that was painted last.
     pub live_shown: Option<ShownPicture<LiveKey, LivePicture>>,
@@ -434,14 +428,11 @@ pub(crate) struct Document {
     /// Pictures of other programs, to be compared with; of the open scene.
     pub pictures: Vec<PictureFolder>,
     pub path: CameraPath,
-    /// How the capture is read, and how it would fit better.
     pub readings: ReadingCheck,
     pub charts: Charts,
     /// Views that were left by a jump.
     pub views: ViewHistory,
-    /// Views that are kept.
     pub kept_views: Vec<KeptView>,
-    /// Small pictures of views.
     pub view_pictures: ViewPictures,
     /// The settings of the store that was saved last of the open capture, at first those that it was opened with.
     pub saved: Option<Settings>,
@@ -476,9 +467,7 @@ pub(crate) struct Closing {
 pub(crate) struct Inspector {
     pub history: History,
     pub compare: CompareLook,
-    /// The command palette, while it is open.
     pub palette: Option<CommandPalette>,
-    /// The page of help that is open.
     pub help: Option<HelpPage>,
     /// The setting to scroll to, by its path.
     pub find_setting: Option<&'static str>,
@@ -492,7 +481,6 @@ pub(crate) struct Inspector {
     pub introduced: bool,
     /// Whether the sentence about the room that comes with the program was read.
     pub room_explained: bool,
-    /// What stands between the person and closing the window.
     pub closing: Closing,
     pub log: VecDeque<LogLine>,
 }

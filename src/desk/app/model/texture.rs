@@ -52,12 +52,17 @@ impl Texture {
         texture: &ScreenTexture,
         replaced: Option<Self>,
     ) -> Self {
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let (filter, mut renderer) = (filter_of(options), window.renderer.write());
         match replaced {
             Some(Self::Painted(painted)) => {
-                painted.show(options, texture);
+                renderer.update_egui_texture_from_wgpu_texture(&window.device, &view, filter, painted.id);
                 Self::Painted(painted)
             }
-            Some(Self::Sent(_)) | None => Self::Painted(PaintedTexture::new(window, options, texture)),
+            Some(Self::Sent(_)) | None => {
+                let id = renderer.register_native_texture(&window.device, &view, filter);
+                Self::Painted(PaintedTexture { window: window.clone(), id })
+            }
         }
     }
 }
@@ -66,24 +71,6 @@ impl Texture {
 pub(crate) struct PaintedTexture {
     window: RenderState,
     id: TextureId,
-}
-
-impl PaintedTexture {
-    fn new(window: &RenderState, options: TextureOptions, texture: &ScreenTexture) -> Self {
-        let (view, filter) = (view_of(texture), filter_of(options));
-        let id = window.renderer.write().register_native_texture(&window.device, &view, filter);
-        Self { window: window.clone(), id }
-    }
-
-    fn show(&self, options: TextureOptions, texture: &ScreenTexture) {
-        let mut renderer = self.window.renderer.write();
-        renderer.update_egui_texture_from_wgpu_texture(
-            &self.window.device,
-            &view_of(texture),
-            filter_of(options),
-            self.id,
-        );
-    }
 }
 
 impl Drop for PaintedTexture {
@@ -97,10 +84,6 @@ fn filter_of(options: TextureOptions) -> wgpu::FilterMode {
         TextureFilter::Nearest => wgpu::FilterMode::Nearest,
         TextureFilter::Linear => wgpu::FilterMode::Linear,
     }
-}
-
-fn view_of(texture: &ScreenTexture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Columns and rows that a small picture has at most.

@@ -15,9 +15,7 @@ pub(crate) enum WorkKind {
     /// Saves and loads.
     File,
     Dialog,
-    /// What the sizes of what is shared follow from.
     MeasureSizes,
-    /// What is shared within a budget, as a picture.
     PreviewShare,
     ShowInFolder,
     CheckPath,
@@ -25,13 +23,10 @@ pub(crate) enum WorkKind {
     Thumbnails,
     MemoryByCamera,
     Histograms,
-    /// The samples that a change of settings drops or brings back.
     Change,
-    /// The values that the live view shows in colors.
     CountValues,
     Compare,
     CompareReadings,
-    /// What edits leave of the samples.
     EditSamples,
     Export,
     /// A sweep, a stress test, tuning, or the ranking of cameras.

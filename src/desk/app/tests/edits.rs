@@ -223,16 +223,10 @@ fn what_is_drawn_grown_followed_and_masked_gives_the_same_bytes_by_the_list_as_b
     let camera = app.state.doc.scene.as_ref().unwrap().cameras[0].clone();
     let [width, height] = [camera.intrinsics.width, camera.intrinsics.height].map(f64::from);
     let frame = app.state.frame_number();
-    let stroke = Stroke {
-        radius: 0.1 * width,
-        points: vec![[0.4 * width, 0.5 * height], [0.6 * width, 0.5 * height]],
-    };
-    let painted = Region::Pixels {
-        camera: camera.name.clone(),
-        frame,
-        outline: Vec::new(),
-        strokes: vec![stroke.clone()],
-    };
+    let points = vec![[0.4 * width, 0.5 * height], [0.6 * width, 0.5 * height]];
+    let stroke = Stroke { radius: 0.1 * width, points };
+    let strokes = vec![stroke.clone()];
+    let painted = Region::Pixels { camera: camera.name.clone(), frame, outline: Vec::new(), strokes };
     let outline = vec![[0.0, 0.5 * height], [width, height], [0.0, height]];
     let viewpoint = Viewpoint::of(&camera);
     let seen = Region::View { viewpoint, frame, outline, strokes: Vec::new(), depth: None };

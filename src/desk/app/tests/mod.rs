@@ -88,6 +88,22 @@ fn copied(app: &OverlookApp) -> Option<String> {
     })
 }
 
+/// Copies the small capture that comes along.
+fn copy_capture(to: &Path) {
+    fn copy_folder(from: &Path, to: &Path) {
+        std::fs::create_dir_all(to).unwrap();
+        for entry in std::fs::read_dir(from).unwrap().map(|entry| entry.unwrap().path()) {
+            let target = to.join(entry.file_name().unwrap());
+            if entry.is_dir() {
+                copy_folder(&entry, &target);
+            } else {
+                std::fs::copy(&entry, &target).unwrap();
+            }
+        }
+    }
+    copy_folder(&edits::small_capture(), to);
+}
+
 /// What happens between two pictures of the window.
 fn step(app: &mut OverlookApp) {
     let ctx = app.ctx.clone();
@@ -229,17 +245,13 @@ fn thresholds_changed_while_a_store_is_written_are_still_unsaved() {
     let before = app.state.settings.clone();
     set_method(&mut app, PruningMethod::Off);
     let scene = app.state.doc.scene.as_ref().unwrap().id;
-    let saved = |scene, settings| Message::Saved {
-        path: "capture.ovl".into(),
-        bytes: Some(1),
-        holds: Some((scene, settings)),
-    };
-    app.receive(saved(scene, before));
+    let saved = |holds| Message::Saved { path: "capture.ovl".into(), bytes: Some(1), holds: Some(holds) };
+    app.receive(saved((scene, before)));
     assert!(app.state.is_unsaved());
     let now = app.state.settings.clone();
-    app.receive(saved(scene + 1, now.clone()));
+    app.receive(saved((scene + 1, now.clone())));
     assert!(app.state.is_unsaved(), "another capture was saved");
-    app.receive(saved(scene, now));
+    app.receive(saved((scene, now)));
     assert!(!app.state.is_unsaved());
 }
 

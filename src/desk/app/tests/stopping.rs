@@ -1,6 +1,5 @@
 //! Work that is stopped, taken back, lined up, or cannot be done.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use crate::app::control::{OverlookApp, Start};
@@ -10,7 +9,7 @@ use crate::app::model::{Command, WorkKind};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::report::ui::figures;
-use crate::app::tests::{add_path, orrery, ready, set_method, settle, step, wait};
+use crate::app::tests::{add_path, copy_capture, orrery, ready, set_method, settle, step, wait};
 use crate::ways_out;
 use overlook_engine::settings::PruningMethod;
 
@@ -94,23 +93,6 @@ fn until_a_capture_is_pruned_the_figures_are_those_of_the_frame_that_is_shown_an
     app.state.doc.whole = whole;
     assert_eq!(of(&app, "Samples kept").1, "of 10.4 k", "all frames of all cameras");
     assert_eq!(of(&app, "Dropped").1, "");
-}
-
-/// Copies the small capture that comes along.
-fn copy_capture(to: &Path) {
-    fn copy(from: &Path, to: &Path) {
-        std::fs::create_dir(to).unwrap();
-        for entry in std::fs::read_dir(from).unwrap() {
-            let entry = entry.unwrap().path();
-            let target = to.join(entry.file_name().unwrap());
-            if entry.is_dir() {
-                copy(&entry, &target);
-            } else {
-                std::fs::copy(&entry, &target).unwrap();
-            }
-        }
-    }
-    copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture"), to);
 }
 
 #[test]

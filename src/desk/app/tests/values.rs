@@ -1,6 +1,6 @@
 //! Scalar values in the window: shown in the colors of a range, isolated, and exact under the pointer.
 
-use std::path::Path;
+use std::sync::Arc;
 
 use super::*;
 use crate::app::model::command::{ViewCommand, WindowCommand};
@@ -13,23 +13,19 @@ use overlook_engine::settings::Settings;
 
 /// The small capture with a value that grows from the left edge of each picture to the right one, and is missing in the lowest rows.
 fn capture_with_values(folder: &Path) {
-    let source = edits::small_capture();
-    let opened = capture::open(&source, &Settings::default().capture).unwrap();
-    let mut manifest: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(source.join("transforms.json")).unwrap()).unwrap();
+    copy_capture(folder);
+    let opened = capture::open(folder, &Settings::default().capture).unwrap();
+    let file = folder.join("transforms.json");
+    let mut manifest: serde_json::Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
     manifest["values"] = serde_json::json!([{ "name": "pressure", "unit": "Pa" }]);
     for (nth, entry) in manifest["frames"].as_array_mut().unwrap().iter_mut().enumerate() {
-        let name = entry["file_path"].as_str().unwrap().to_owned();
-        let target = folder.join(&name);
-        std::fs::create_dir_all(target.parent().unwrap()).unwrap();
-        std::fs::copy(source.join(&name), &target).unwrap();
         let (width, height) = opened.cameras[0].intrinsics.size();
         let of = |x: usize, y: usize| if y + 4 > height { f32::NAN } else { 100.0 + x as f32 };
         let values = (0..height).flat_map(|y| (0..width).map(move |x| of(x, y)));
         std::fs::write(folder.join(format!("{nth}.npy")), npy([height, width], values)).unwrap();
         entry["value_file_paths"] = serde_json::json!({ "pressure": format!("{nth}.npy") });
     }
-    std::fs::write(folder.join("transforms.json"), manifest.to_string()).unwrap();
+    std::fs::write(file, manifest.to_string()).unwrap();
 }
 
 fn npy([rows, columns]: [usize; 2], values: impl Iterator<Item = f32>) -> Vec<u8> {
@@ -45,7 +41,7 @@ fn npy([rows, columns]: [usize; 2], values: impl Iterator<Item = f32>) -> Vec<u8
     bytes
 }
 
-fn shown(app: &OverlookApp) -> std::sync::Arc<egui::ColorImage> {
+fn shown(app: &OverlookApp) -> Arc<egui::ColorImage> {
     app.state.shown_picture().unwrap().clone()
 }
 
@@ -79,10 +75,8 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
     let values = output::PictureValues::of(&live.key.samples, &live.key.vantage, rendered);
     let colors = look.colors(&values.channels[0]).unwrap();
     let (mut gray, mut seen) = (0, 0);
-    let depths = rendered.inverse_depth.as_slice();
-    for (((value, pixel), image), w) in
-        values.values.channel(0).zip(&isolated.pixels).zip(rendered.image.as_slice()).zip(depths)
-    {
+    let pictured = rendered.image.as_slice().iter().zip(rendered.inverse_depth.as_slice());
+    for ((value, pixel), (image, w)) in values.values.channel(0).zip(&isolated.pixels).zip(pictured) {
         if *image == NO_IMAGE {
             continue;
         }
@@ -92,8 +86,6 @@ fn values_are_shown_in_the_colors_of_their_range_isolated_and_changed_without_pr
         gray += usize::from(shown == MISSING_COLOR);
     }
     assert!(seen > 100 && gray > 100, "{seen} {gray}");
-    assert!(
-        std::sync::Arc::ptr_eq(&whole, &app.state.doc.whole.as_ref().unwrap().samples),
-        "nothing is pruned anew"
-    );
+    let now = &app.state.doc.whole.as_ref().unwrap().samples;
+    assert!(Arc::ptr_eq(&whole, now), "nothing is pruned anew");
 }

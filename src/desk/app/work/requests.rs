@@ -43,7 +43,6 @@ impl FileWork {
 
 /// What to measure.
 pub(crate) struct StudyRequest {
-    /// What is open, a capture.
     pub scene: Arc<OpenScene>,
     pub plan: StudyPlan,
 }

@@ -206,7 +206,7 @@ fn run<R>(
 pub(crate) struct Outbox {
     sender: SyncSender<Message>,
     ctx: egui::Context,
-    unread: Unread,
+    pub unread: Unread,
 }
 
 /// Messages that the window has not taken in. They count from before their worker rests, so that never both look idle in between.
@@ -228,11 +228,6 @@ impl Outbox {
     /// An outbox that rings `ctx` after every message.
     pub(crate) fn new(sender: SyncSender<Message>, ctx: egui::Context) -> Self {
         Self { sender, ctx, unread: Unread::default() }
-    }
-
-    /// How many messages it sent that were not taken in.
-    pub(crate) fn unread(&self) -> Unread {
-        self.unread.clone()
     }
 
     /// Delivers a message; gives false once the window is gone.

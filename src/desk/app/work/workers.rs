@@ -80,29 +80,19 @@ pub(crate) struct Workers {
     pub readings: Slot<ReadingRequest>,
 }
 
-/// The threads that workers share.
-struct Pools {
-    background: Arc<rayon::ThreadPool>,
-    decoder: Arc<rayon::ThreadPool>,
-    studying: Arc<rayon::ThreadPool>,
-    rendering: Arc<rayon::ThreadPool>,
-    carrying: Arc<rayon::ThreadPool>,
-}
-
-impl Pools {
-    fn start() -> Result<Self> {
-        let threads = rayon::current_num_threads();
-        Ok(Self {
-            background: pool("prune", threads, WORK)?,
-            // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
-            decoder: pool("decode", 1, WINDOW)?,
-            studying: pool("study", threads, WORK)?,
-            // Neither decoding nor inspecting holds up a picture, and a picture does not hold up the window.
-            rendering: pool("render", threads, PICTURES)?,
-            // What follows the hand goes before everything else.
-            carrying: pool("carry", threads.min(CARRIERS), WINDOW)?,
-        })
-    }
+/// The threads that workers share: for background work, decoding, studies, painting and carrying.
+fn pools() -> Result<[Arc<rayon::ThreadPool>; 5]> {
+    let threads = rayon::current_num_threads();
+    Ok([
+        pool("prune", threads, WORK)?,
+        // A frame that this worker decodes may be awaited by every thread of the shared pool; its own thread finishes it.
+        pool("decode", 1, WINDOW)?,
+        pool("study", threads, WORK)?,
+        // Neither decoding nor inspecting holds up a picture, and a picture does not hold up the window.
+        pool("render", threads, PICTURES)?,
+        // What follows the hand goes before everything else.
+        pool("carry", threads.min(CARRIERS), WINDOW)?,
+    ])
 }
 
 /// The thumbnails of what was inspected of a scene.
@@ -118,7 +108,7 @@ fn memory(request: &MemoryRequest) -> Message {
 impl Workers {
     /// Starts all workers; on the `shared` device of a window the GPU paints the live view.
     pub(crate) fn start(outbox: &Outbox, shared: Option<SharedDevice>) -> Result<Self> {
-        let Pools { background, decoder, studying, rendering, carrying } = Pools::start()?;
+        let [background, decoder, studying, rendering, carrying] = pools()?;
         let mut carrier = PictureCarrier::default();
         let (measuring, preparing) = (background.clone(), background.clone());
         let (comparing, previewing, filming) = (studying.clone(), studying.clone(), studying.clone());

@@ -48,7 +48,7 @@ impl Wanted for SourceRequest {
             frame: inspection.as_ref().map_or(state.timeline.frame, |inspection| inspection.frame),
             overlay,
             against: state.source.against,
-            isolated: state.doc.isolated.filter(|_| overlay.names_cameras()),
+            isolated: state.doc.isolated.filter(|_| overlay == Overlay::WhoWon),
             display: state.display,
             dark: state.dark,
             inspection,
