@@ -15,10 +15,8 @@ const STEPS: usize = 200;
 /// Which of two settings is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) enum SettingsSlot {
-    /// The first.
     #[default]
     A,
-    /// The second.
     B,
 }
 

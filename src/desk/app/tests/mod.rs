@@ -198,7 +198,7 @@ fn accuracy_is_that_of_the_kernel_on_screen_also_after_a_change_in_motion_and_af
 }
 
 #[test]
-fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
+fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture_while_what_gave_way_says_nothing_of_that() {
     let mut app = ready(2, 2);
     app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
     wait(&mut app, "the first point", |app| !app.state.doc.charts.sweep.is_empty());
@@ -206,23 +206,14 @@ fn a_sweep_that_runs_is_not_begun_anew_and_ends_with_its_capture() {
     step(&mut app);
     assert!(app.state.doc.charts.studying && app.notices()[0].starts_with("Already measuring"));
     app.open_demo(orrery(2, 3));
+    for work in [WorkKind::Open, WorkKind::Study] {
+        app.receive(Message::Failed { work, error: Error::Cancelled });
+    }
+    assert!(app.state.opening.is_some() && app.state.doc.charts.studying);
     wait(&mut app, "the other capture", |app| app.state.frame_count() == 3);
     wait(&mut app, "the sweep to stop", |app| app.workers.study.is_idle());
     step(&mut app);
     assert!(!app.state.doc.charts.studying && app.state.doc.charts.sweep.is_empty());
-}
-
-#[test]
-fn what_gave_way_to_newer_work_says_nothing_of_that() {
-    let mut app = ready(2, 2);
-    app.apply(Command::Chart(ChartCommand::Study(Study::Sweep)));
-    app.open_demo(orrery(2, 3));
-    let cancelled = |work| Message::Failed { work, error: Error::Cancelled };
-    app.receive(cancelled(WorkKind::Open));
-    app.receive(cancelled(WorkKind::Study));
-    assert!(app.state.opening.is_some() && app.state.doc.charts.studying);
-    app.workers.study.cancel();
-    wait(&mut app, "the sweep to stop", |app| !app.state.doc.charts.studying);
 }
 
 #[test]

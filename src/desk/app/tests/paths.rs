@@ -193,10 +193,13 @@ fn escape_stops_work_before_it_lets_go_of_a_pixel() {
     assert!(app.state.doc.probe.pinned);
     wait(&mut app, "the sweep to stop", |app| !app.state.doc.charts.studying);
     step(&mut app);
+    wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
     // Messages close before anything else.
     app.state.notices.clear();
     app.apply(Command::Escape);
     assert!(!app.state.doc.probe.pinned);
+    settle(&mut app);
+    assert!(app.state.doc.probe.shown.is_none(), "nothing more is said of it");
 }
 
 #[test]

@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use crate::app::control::{OverlookApp, Start};
-use crate::app::model::command::{ChartCommand, PixelCommand};
+use crate::app::model::command::ChartCommand;
 use crate::app::model::purpose::Purpose;
 use crate::app::model::{Command, WorkKind};
 use crate::app::rooms::charts::state::Study;
-use crate::app::rooms::pixel::state::Spot;
 use crate::app::rooms::report::ui::figures;
 use crate::app::tests::{add_path, copy_capture, orrery, ready, set_method, settle, step, wait};
 use crate::ways_out;
@@ -120,17 +119,6 @@ fn the_live_view_is_painted_for_others_while_it_lies_behind_them() {
     let mut app = OverlookApp::new(&ctx, None, None, Start::Demo(orrery(2, 2))).unwrap();
     settle(&mut app);
     assert!(app.state.doc.live_shown.is_some());
-}
-
-#[test]
-fn of_a_pixel_that_is_let_go_of_nothing_more_is_said() {
-    let mut app = ready(2, 2);
-    app.apply(Command::Pixel(PixelCommand::Probe(Some(Spot::Source { camera: 0, x: 24, y: 18 }))));
-    app.apply(Command::Pixel(PixelCommand::Pin(true)));
-    wait(&mut app, "the pixel", |app| app.state.doc.probe.shown.is_some());
-    app.apply(Command::Escape);
-    settle(&mut app);
-    assert!(app.state.doc.probe.shown.is_none());
 }
 
 #[test]

@@ -9,7 +9,7 @@ use egui::{Grid, Id, Label, Modal, RichText, ScrollArea, Ui};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 
 use crate::app::model::command::WindowCommand;
-use crate::app::model::window::{HELP, HelpPage, NoticeKind};
+use crate::app::model::window::{HelpPage, NoticeKind, SHORTCUTS};
 use crate::app::model::{self, Command, Commands, State};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::weak;
@@ -125,16 +125,18 @@ fn sources_ui(ui: &mut Ui) {
 fn shortcuts_ui(ui: &mut Ui) {
     ui.horizontal_top(|ui| {
         // The first groups are the longest.
-        let (left, right) = HELP.split_at(HELP.len() / 2);
+        let groups: Vec<&str> = SHORTCUTS.split("\n\n").collect();
+        let (left, right) = groups.split_at(groups.len() / 2);
         for groups in [left, right] {
             ui.vertical(|ui| {
                 ui.spacing_mut().interact_size.y = SHORTCUT_ROW;
-                for (heading, shortcuts) in groups {
-                    weak(ui, *heading);
+                for group in groups {
+                    let (heading, shortcuts) = group.split_once('\n').unwrap_or((group, ""));
+                    weak(ui, heading);
                     Grid::new(heading).num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
-                        for (keys, help) in *shortcuts {
-                            ui.label(RichText::new(*keys).strong());
-                            ui.label(*help);
+                        for (keys, help) in shortcuts.lines().filter_map(|line| line.split_once(": ")) {
+                            ui.label(RichText::new(keys).strong());
+                            ui.label(help);
                             ui.end_row();
                         }
                     });
