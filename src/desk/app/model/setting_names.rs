@@ -188,10 +188,8 @@ mod tests {
     fn settings_are_called_as_in_the_panel() {
         assert_eq!(label("spans.color_tolerance = 4, gather"), "Static color range: 4, gather");
         assert_eq!(label("pruning.overlap = false, point"), "Keep 1-px overlap: off, point");
-        assert_eq!(
-            label("first camera wins, as many samples, gather"),
-            "first camera wins, as many samples, gather"
-        );
+        let without_any = "first camera wins, as many samples, gather";
+        assert_eq!(label(without_any), without_any);
     }
 
     #[test]
@@ -202,9 +200,7 @@ mod tests {
         after.set_text("render.kernel=point").unwrap();
         assert_eq!(changes(&before, &before), Vec::<String>::new());
         let told = changes(&before, &after);
-        assert_eq!(told.len(), 2, "{told:?}");
-        assert!(told[0].starts_with("Static depth range: "), "{told:?}");
-        assert!(told[0].ends_with(" » 0.004"), "{told:?}");
-        assert_eq!(told[1], "Kernel: Gather (interpolate cameras) » Point");
+        assert!(told[0].starts_with("Static depth range: ") && told[0].ends_with(" » 0.004"), "{told:?}");
+        assert_eq!(told[1..], ["Kernel: Gather (interpolate cameras) » Point"]);
     }
 }

@@ -253,11 +253,7 @@ impl State {
 
     /// Whether the samples of all frames are there, made with the settings on the sliders or played from a store.
     pub(crate) fn is_whole_ready(&self) -> bool {
-        match self.content() {
-            Some(Content::Store { .. }) => true,
-            Some(Content::Capture { .. }) => self.current_whole().is_some(),
-            None => false,
-        }
+        self.doc.scene.is_some() && (!self.has_capture() || self.current_whole().is_some())
     }
 
     /// The samples of the whole capture or store, perhaps by older settings.

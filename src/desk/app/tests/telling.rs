@@ -82,23 +82,16 @@ fn a_capture_whose_up_was_taken_from_the_cameras_asks_once_and_takes_again_what_
 }
 
 #[test]
-fn the_time_left_of_a_sweep_is_that_of_all_of_it() {
-    let long = Duration::from_secs(10);
-    assert!(secs_left(WorkKind::Prune, &scoring(), long).is_some());
-    assert_eq!(secs_left(WorkKind::Study, &scoring(), long), None);
-}
-
-#[test]
 fn the_line_at_the_bottom_names_what_is_measured_and_how_long_all_of_it_takes() {
-    for (study, line) in
-        [(Study::Sweep, "Sweep: 3 of 60, 2 min left"), (Study::Stress, "Stress test: 3 of 60, 2 min left")]
-    {
+    let left = |work| secs_left(work, &scoring(), Duration::from_secs(10));
+    assert!(left(WorkKind::Prune).is_some() && left(WorkKind::Study).is_none(), "not that of one stage");
+    for (study, name) in [(Study::Sweep, "Sweep"), (Study::Stress, "Stress test")] {
         let mut state = State::default();
         state.doc.charts.begin(study, &Settings::default());
-        state.busy =
-            vec![Busy { work: WorkKind::Study, progress: scoring(), cancellable: true, secs_left: None }];
-        let mut dock = Dock::new();
-        assert!(says(line, |ui| window_ui(ui, &state, &mut dock, &mut Vec::new())));
+        let (work, progress) = (WorkKind::Study, scoring());
+        state.busy = vec![Busy { work, progress, cancellable: true, secs_left: None }];
+        let (line, mut dock) = (format!("{name}: 3 of 60, 2 min left"), Dock::new());
+        assert!(says(&line, |ui| window_ui(ui, &state, &mut dock, &mut Vec::new())));
     }
 }
 

@@ -29,14 +29,9 @@ fn capture_with_values(folder: &Path) {
 }
 
 fn npy([rows, columns]: [usize; 2], values: impl Iterator<Item = f32>) -> Vec<u8> {
-    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
-    while (10 + header.len() + 1) % 64 != 0 {
-        header.push(' ');
-    }
-    header.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
+    let keys = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    // The header has 118 bytes, so that values begin at a multiple of 64.
+    let mut bytes = [&b"\x93NUMPY\x01\x00\x76\x00"[..], format!("{keys:<117}\n").as_bytes()].concat();
     bytes.extend(values.flat_map(f32::to_le_bytes));
     bytes
 }

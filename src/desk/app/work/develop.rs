@@ -210,8 +210,7 @@ mod tests {
 
     #[test]
     fn a_histogram_counts_every_pixel_and_finds_the_bright_ones() {
-        let linear = Grid::from_fn(100, 1, |x, _| [x as f32 / 10.0, 0.0, f32::NAN]);
-        let linear: Grid<[f32; 3]> = linear;
+        let linear: Grid<[f32; 3]> = Grid::from_fn(100, 1, |x, _| [x as f32 / 10.0, 0.0, f32::NAN]);
         let finite = linear.map(|[r, g, _]| [*r, *g, 0.0]);
         let shown = finite.map(|c| displayed(&Display::default(), *c));
         let histogram = histogram_of(&finite, &shown, |c| *c);
