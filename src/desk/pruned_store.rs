@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -12,22 +13,35 @@ use overlook_engine::edits::EditList;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
 use overlook_engine::preprocess::diagnostics::Report;
-use overlook_engine::preprocess::{BufferedResult, preprocess_edited};
+use overlook_engine::preprocess::{
+    BufferedResult, PreparedScan, Preprocessed, preprocess_again, preprocess_edited,
+};
 use overlook_engine::settings::Settings;
 use overlook_engine::store::file::{self, Extras, InputFiles, Provenance};
 
-/// Prunes a capture with edits and writes the store; gives its report and its bytes.
+/// A capture that was scanned and pruned without edits.
+pub(crate) struct PrunedBefore {
+    pub scan: Arc<PreparedScan>,
+    pub result: Preprocessed,
+}
+
+/// Prunes a capture with edits and writes the store; gives its report and its bytes. What was done `before` with these settings is not done
+/// again.
 ///
 /// # Errors
 /// As [`preprocess_edited`] and [`file::write`].
 pub(crate) fn prune_into_store(
     capture: &Capture,
+    before: Option<&PrunedBefore>,
     settings: &Settings,
     edits: &EditList,
     out: &Path,
     job: &Job,
 ) -> Result<(Report, u64)> {
-    let result = preprocess_edited(capture, settings, edits, job)?;
+    let result = match before {
+        Some(PrunedBefore { scan, result }) => preprocess_again(capture, scan, result, settings, edits, job)?,
+        None => preprocess_edited(capture, settings, edits, job)?,
+    };
     let inputs = input_files(capture, job)?;
     write(capture, result, inputs, out, job)
 }

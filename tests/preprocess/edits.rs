@@ -7,9 +7,13 @@ use glam::DVec3;
 use overlook_engine::capture::{Capture, with_changed_frames};
 use overlook_engine::edits::{Action, Edit, EditList, Reach, Region, Viewpoint, edit_samples, selected};
 use overlook_engine::job::Job;
-use overlook_engine::preprocess::{Preprocessed, preprocess, preprocess_edited, votes_on};
+use overlook_engine::preprocess::{
+    BufferedResult, Preprocessed, preprocess, preprocess_again, preprocess_edited, prune_for_store, scan,
+    votes_on,
+};
 use overlook_engine::samples::{ImageBuffer, PlacedSample, SampleImage, SampleSet};
 use overlook_engine::settings::{AlignSettings, PruningMethod, Settings};
+use overlook_engine::store::file::{Extras, write_spooled};
 
 use crate::moving::moving_capture;
 use crate::scene::{Scene, arc};
@@ -210,6 +214,38 @@ fn what_is_deleted_before_pruning_does_not_come_back_and_the_numbers_still_add_u
     }
     assert_eq!(cleaned.report.without_depth(), plain.report.without_depth());
     assert_eq!(preprocessed(&capture, &EditList::default()).samples.images, plain.samples.images);
+}
+
+#[test]
+fn a_capture_that_was_pruned_before_gives_the_same_store_as_one_that_is_pruned_with_edits() {
+    let (capture, job) = (moving_capture(), Job::new());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.ovl");
+    let written = |result: BufferedResult| {
+        let BufferedResult { outline, images, verdicts, mut report } = result;
+        report.seconds = 0.0;
+        assert!(verdicts.is_some());
+        let extras = Extras { report: report.to_json().unwrap(), verdicts, ..Extras::default() };
+        write_spooled(&path, &outline, &images, &extras, &job).unwrap();
+        std::fs::read(&path).unwrap()
+    };
+    let mut settings = Settings::default();
+    settings.store.verdicts = 4.0;
+    let scanned = scan(&capture, &settings, &job).unwrap();
+    let known = prune_for_store(&capture, &scanned, &settings, &job).unwrap();
+    let evidence = (Action::Delete, Region::ConfirmedByFewerThan(1));
+    let space = (Action::Delete, Region::Sphere { center: [0.0, 0.0, 0.5], radius: 1.0 });
+    let camera = (Action::LeaveOut, Region::Cameras(vec![capture.cameras[1].name.clone()]));
+    let mut stores = BTreeSet::new();
+    for edits in [vec![], vec![evidence.clone()], vec![space, evidence.clone()], vec![camera, evidence]] {
+        let edits = list(edits);
+        let again = preprocess_again(&capture, &scanned, &known, &settings, &edits, &job).unwrap();
+        let at_once = preprocess_edited(&capture, &settings, &edits, &job).unwrap();
+        let store = written(again);
+        assert!(store == written(at_once), "{edits:?}");
+        stores.insert(store);
+    }
+    assert_eq!(stores.len(), 4, "each list changes something");
 }
 
 #[test]

@@ -163,6 +163,12 @@ impl EditList {
         acting.into_iter().skip(waits).filter(|edit| !edit.needs_samples())
     }
 
+    /// Whether something is done before pruning: a camera is left out, or observations are deleted.
+    #[must_use]
+    pub fn changes_input(&self) -> bool {
+        self.before_pruning().next().is_some()
+    }
+
     /// The first edit that acts on what pruning kept alone, with its place in the list.
     pub(super) fn first_after_pruning(&self) -> Option<(usize, &Edit)> {
         self.edits.iter().enumerate().find(|(_, edit)| edit.is_on && edit.needs_samples())

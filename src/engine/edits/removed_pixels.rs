@@ -105,7 +105,7 @@ pub fn edited_capture(capture: &Capture, edits: &EditList, cache_bytes: usize) -
 /// those of the regions. `cache_bytes` of the frames are kept.
 #[must_use]
 pub fn without_removed_pixels(capture: &Capture, edits: &EditList, cache_bytes: usize) -> Capture {
-    if edits.before_pruning().next().is_none() {
+    if !edits.changes_input() {
         return capture.clone();
     }
     let edits = PixelEdits::new(capture, edits);
@@ -128,7 +128,7 @@ pub fn count_removed_pixels(
     frames: Range<usize>,
     job: &Job,
 ) -> Result<Vec<u64>> {
-    if frames.is_empty() || edits.before_pruning().next().is_none() {
+    if frames.is_empty() || !edits.changes_input() {
         return Ok(vec![0; capture.cameras.len()]);
     }
     let edits = PixelEdits::new(capture, edits);

@@ -46,7 +46,7 @@ use crate::edits::{self, CutByHand, EditList, EditedImages};
 use crate::error::{Error, Result};
 use crate::grid::Grid;
 use crate::job::Job;
-use crate::samples::{ImageBuffer, SampleImage, SampleSet, VerdictBuffer, samples_in_memory};
+use crate::samples::{ImageBuffer, SampleImage, SampleSet, VerdictBuffer};
 use crate::settings::{AlignSettings, Settings};
 use agreement::Consensus;
 use diagnostics::Report;
@@ -60,7 +60,7 @@ use temporal::all_frames;
 pub struct Preprocessed {
     /// The kept samples.
     pub samples: Arc<SampleSet>,
-    /// What became of every pixel, as a store says it; `None` where the settings want none there, and where pruning is repeated.
+    /// What became of every pixel, as a store says it; `None` where nobody asks, and where the settings want none there.
     pub verdicts: Option<Arc<VerdictBuffer>>,
     /// What was dropped and why.
     pub report: Report,
@@ -96,8 +96,8 @@ impl BufferedResult {
 /// # Errors
 /// Whatever the capture gives (naming file and frame), `Io` where a temporary file cannot be used, and `Cancelled`.
 pub fn preprocess(capture: &Capture, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    let kept = KeptSamples::new(usize::MAX, false);
-    preprocess_into(kept, capture, settings, &EditList::default(), job)?.into_memory()
+    let edits = EditList::default();
+    preprocess_into(KeptSamples::in_memory(), capture, None, settings, &edits, job)?.into_memory()
 }
 
 /// The same for a sequence of any length: what is kept waits in a temporary file where it takes more than a share of the memory
@@ -120,13 +120,36 @@ pub fn preprocess_edited(
     edits: &EditList,
     job: &Job,
 ) -> Result<BufferedResult> {
-    let kept = KeptSamples::new(samples_in_memory(settings), settings.store.verdicts > 0.0);
-    preprocess_into(kept, capture, settings, edits, job)
+    preprocess_into(KeptSamples::for_store(settings), capture, None, settings, edits, job)
+}
+
+/// What [`preprocess_edited`] gives of a capture that was scanned and pruned with these settings before, without edits: what the list
+/// does not change is taken from there.
+///
+/// # Errors
+/// As [`preprocess_edited`].
+pub fn preprocess_again(
+    capture: &Capture,
+    scan: &PreparedScan,
+    pruned: &Preprocessed,
+    settings: &Settings,
+    edits: &EditList,
+    job: &Job,
+) -> Result<BufferedResult> {
+    if edits.changes_input() {
+        return preprocess_into(KeptSamples::for_store(settings), capture, Some(scan), settings, edits, job);
+    }
+    let Preprocessed { samples, verdicts, report } = pruned.clone();
+    let images = ImageBuffer::of(&samples.images);
+    let outline = sample_set(scan.capture(), &aligned_settings(settings, scan.alignment()), Vec::new());
+    let pruned = BufferedResult { outline, images, verdicts, report };
+    cut_by_hand(pruned, scan.capture(), &[], edits, &capture.cameras, job)
 }
 
 fn preprocess_into(
     kept: KeptSamples,
     capture: &Capture,
+    known: Option<&PreparedScan>,
     settings: &Settings,
     edits: &EditList,
     job: &Job,
@@ -137,7 +160,12 @@ fn preprocess_into(
     for warning in edits.without_effect(&capture.frame_numbers, "edits") {
         job.warn(warning);
     }
-    let scan = PreparedScan::edited(&left, settings, edits, job)?;
+    let known = known
+        .filter(|known| edits.cameras_left_out().is_empty() && *known.align_settings() == settings.align);
+    let scan = match known {
+        Some(known) => known.edited_again(settings, edits, job)?,
+        None => PreparedScan::edited(&left, settings, edits, job)?,
+    };
     let pruned = prune_into(kept, &left, &scan, settings, job)?;
     let (removed, cameras) = (scan.removed_pixels(), &capture.cameras);
     let mut spooled = cut_by_hand(pruned, scan.capture(), removed, edits, cameras, job)?;
@@ -196,7 +224,22 @@ pub fn scan(capture: &Capture, settings: &Settings, job: &Job) -> Result<Arc<Pre
 /// # Errors
 /// As [`preprocess`].
 pub fn prune(capture: &Capture, scan: &PreparedScan, settings: &Settings, job: &Job) -> Result<Preprocessed> {
-    prune_into(KeptSamples::new(usize::MAX, false), capture, scan, settings, job)?.into_memory()
+    prune_into(KeptSamples::in_memory(), capture, scan, settings, job)?.into_memory()
+}
+
+/// As [`prune`], with what became of every pixel where `store.verdicts` wants it in a store.
+///
+/// # Errors
+/// As [`preprocess`].
+pub fn prune_for_store(
+    capture: &Capture,
+    scan: &PreparedScan,
+    settings: &Settings,
+    job: &Job,
+) -> Result<Preprocessed> {
+    let kept =
+        KeptSamples { verdicts: KeptSamples::for_store(settings).verdicts, ..KeptSamples::in_memory() };
+    prune_into(kept, capture, scan, settings, job)?.into_memory()
 }
 
 fn prune_into(

@@ -340,7 +340,7 @@ pub fn prune_part<'a>(
     let run = run_of_part(aligned.capture.frame_count(), part);
     let scan = read_scan(&aligned, measured, settings, run, spans, scans, job)?;
     let scan = PreparedScan::of(scan, aligned, measured.conventions.clone(), &settings.align);
-    let kept = KeptSamples::new(samples_in_memory(settings), settings.store.verdicts > 0.0);
+    let kept = KeptSamples::for_store(settings);
     let (KeptSamples { images, verdicts }, counts) = prune_run(kept, &scan, settings, run, job)?;
     let mut writer = RecordWriter::new(writer, format!("part {part} of pruning"))?;
     for index in 0..images.len() {
@@ -415,7 +415,7 @@ pub fn join_pruned<'a>(
 ) -> Result<BufferedResult> {
     let MeasuredCapture { capture, measured, settings, edits } = of;
     let aligned = of.edited();
-    let mut kept = KeptSamples::new(samples_in_memory(settings), settings.store.verdicts > 0.0);
+    let mut kept = KeptSamples::for_store(settings);
     let mut all: Option<RunCounts> = None;
     job.start("Joining parts", parts.len());
     for (place, reader) in parts {

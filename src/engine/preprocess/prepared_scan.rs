@@ -63,8 +63,27 @@ impl PreparedScan {
         edits: &EditList,
         job: &Job,
     ) -> Result<Self> {
-        let mut aligned = alignment::align(capture, &settings.align, job)?;
+        let aligned = alignment::align(capture, &settings.align, job)?;
         let conventions = better_conventions(capture, &aligned.correction)?;
+        Self::without_removed(aligned, conventions, settings, edits, job)
+    }
+
+    /// The scan that [`PreparedScan::edited`] gives of the same capture and `settings.align`, where this one was made without edits:
+    /// the rig's errors are known.
+    ///
+    /// # Errors
+    /// As [`PreparedScan::new`].
+    pub(crate) fn edited_again(&self, settings: &Settings, edits: &EditList, job: &Job) -> Result<Self> {
+        Self::without_removed(self.aligned.clone(), self.conventions.clone(), settings, edits, job)
+    }
+
+    fn without_removed(
+        mut aligned: Aligned,
+        conventions: Option<Finding>,
+        settings: &Settings,
+        edits: &EditList,
+        job: &Job,
+    ) -> Result<Self> {
         let frames = 0..aligned.capture.frame_count();
         let removed = edits::count_removed_pixels(&aligned.capture, edits, frames, job)?;
         aligned.capture =

@@ -14,7 +14,7 @@ use overlook_engine::job::Job;
 use overlook_engine::median::median_f32;
 use overlook_engine::preprocess::diagnostics::{PixelAccount, Report};
 use overlook_engine::preprocess::inspect::FrameInspection;
-use overlook_engine::samples::SampleSet;
+use overlook_engine::samples::{SampleSet, VerdictBuffer};
 use overlook_engine::settings::{CaptureSettings, RenderSettings, Settings};
 use overlook_engine::store::playback::Playback;
 
@@ -185,6 +185,8 @@ pub(crate) fn median_depth(inverse_depth: &[f32]) -> f64 {
 pub(crate) struct Whole {
     pub samples: Arc<SampleSet>,
     pub report: Arc<Report>,
+    /// What becomes of every pixel, for a store.
+    pub verdicts: Option<Arc<VerdictBuffer>>,
     pub settings: Settings,
 }
 

@@ -34,12 +34,13 @@ use crate::app::rooms::settings::ThresholdHistogram;
 use crate::app::rooms::share::state::ShareDialog;
 use crate::app::rooms::source::SourceLook;
 use crate::app::rooms::timeline::Timeline;
+use crate::pruned_store::PrunedBefore;
 use overlook_engine::capture::Camera;
 use overlook_engine::job::Progress;
 use overlook_engine::plural;
-use overlook_engine::preprocess::PreparedScan;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::preprocess::inspect::FrameInspection;
+use overlook_engine::preprocess::{PreparedScan, Preprocessed};
 use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::{Fill, Settings};
 
@@ -147,6 +148,14 @@ impl State {
     /// Whether the whole-capture numbers were made with other settings than those on the sliders.
     pub(crate) fn is_stale(&self) -> bool {
         self.doc.whole.as_ref().is_some_and(|whole| method_of(&whole.settings) != method_of(&self.settings))
+    }
+
+    /// The whole capture as it was pruned before edits, if by the settings on the sliders.
+    pub(crate) fn pruned_before(&self) -> Option<PrunedBefore> {
+        let Whole { samples, report, verdicts, .. } = self.doc.whole.as_ref().filter(|_| !self.is_stale())?;
+        let scan = self.doc.scan.clone().filter(|scan| scan.serves(&self.settings))?;
+        let (samples, verdicts, report) = (samples.clone(), verdicts.clone(), (**report).clone());
+        Some(PrunedBefore { scan, result: Preprocessed { samples, verdicts, report } })
     }
 
     /// The whole capture's samples, if they were made with the settings on the sliders.

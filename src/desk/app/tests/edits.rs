@@ -8,7 +8,7 @@ use crate::app::model::picture::LiveKey;
 use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{Command, Same, count};
 use crate::app::rooms::report::ui::figures;
-use crate::app::tests::{OverlookApp, ready, save_store, settle, wait};
+use crate::app::tests::{OverlookApp, ready, save_store, set, settle, wait};
 use crate::app::work::worker::Wanted;
 use crate::pruned_store;
 use crate::ways_out::Way;
@@ -67,7 +67,7 @@ fn saved_alike(app: &mut OverlookApp, [list, store, beside]: [&Path; 3]) -> Repo
     let settings = &app.state.settings;
     let capture = capture::open(&small_capture(), &settings.capture).unwrap();
     let (report, _) =
-        pruned_store::prune_into_store(&capture, settings, &edits, beside, &Job::new()).unwrap();
+        pruned_store::prune_into_store(&capture, None, settings, &edits, beside, &Job::new()).unwrap();
     assert!(is_alike(store, beside));
     report
 }
@@ -131,6 +131,24 @@ fn a_capture_is_cleaned_by_hand_and_its_list_gives_the_same_bytes_elsewhere_and_
     let cleaned = picture(&app);
     open(&mut app, &again, false);
     assert!(shows_same(&picture(&app), &cleaned));
+}
+
+#[test]
+fn a_store_that_the_window_saves_says_why_and_is_that_of_the_command_line_before_and_after_edits() {
+    let folder = tempfile::tempdir().unwrap();
+    let [list, store, beside] =
+        ["edits.toml", "store.ovl", "beside.ovl"].map(|name| folder.path().join(name));
+    let mut app = ready(2, 1);
+    open(&mut app, &small_capture(), true);
+    set(&mut app, "store.verdicts", 4.0);
+    settle(&mut app);
+    for region in [None, Some(Region::ConfirmedByFewerThan(1)), Some(middle(&app, 0.3))] {
+        if let Some(region) = region {
+            delete(&mut app, region);
+        }
+        saved_alike(&mut app, [&list, &store, &beside]);
+        assert!(Store::open(&store).unwrap().has_verdicts());
+    }
 }
 
 #[test]

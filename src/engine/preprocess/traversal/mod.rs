@@ -336,7 +336,7 @@ mod tests {
             );
             let of_bound = |bound: usize| {
                 let recording = Recording { bound, ..Recording::new(&capture, &scan, &settings) };
-                let (images, run) = (KeptSamples::new(usize::MAX, false), all_frames(1));
+                let (images, run) = (KeptSamples::in_memory(), all_frames(1));
                 let errors = vec![Vec::new(); count];
                 let (images, counts) = prune_recording(images, recording, &errors, run, &job).unwrap();
                 let report = counts.finish(count, images.images.facts());
@@ -382,7 +382,7 @@ mod tests {
             let errors = vec![Vec::new(); AT_ONE_PLACE];
             let of = |bound: usize, run: Span| {
                 let recording = Recording { bound, ..Recording::new(&capture, &scan, settings) };
-                let images = KeptSamples::new(usize::MAX, false);
+                let images = KeptSamples::in_memory();
                 let (images, counts) = prune_recording(images, recording, &errors, run, &job).unwrap();
                 (images.images.into_images().unwrap(), counts)
             };

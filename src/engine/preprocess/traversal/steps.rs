@@ -18,6 +18,7 @@ use crate::preprocess::pruning::{
 };
 use crate::preprocess::temporal::{ROOT, SpanLevel};
 use crate::samples::{ImageBuffer, Span, VerdictBuffer, samples_in_memory};
+use crate::settings::Settings;
 
 /// Bytes of a sample while it is worked on: itself, its verdict, and what is known between the parts of a search.
 pub(super) const SAMPLE_BYTES: usize = 38 + 12 + 16;
@@ -31,9 +32,15 @@ pub(crate) struct KeptSamples {
 }
 
 impl KeptSamples {
-    /// Nothing is kept yet. Images and verdicts each hold at most `bound` bytes in memory.
-    pub(crate) fn new(bound: usize, has_verdicts: bool) -> Self {
-        let verdicts = has_verdicts.then(|| VerdictBuffer::new(bound));
+    /// Nothing is kept yet; samples stay in memory, and nobody asks for verdicts.
+    pub(crate) fn in_memory() -> Self {
+        Self { images: ImageBuffer::new(usize::MAX), verdicts: None }
+    }
+
+    /// Nothing is kept yet of what a store is to hold. Images and verdicts each take a share of the memory setting at most.
+    pub(crate) fn for_store(settings: &Settings) -> Self {
+        let bound = samples_in_memory(settings);
+        let verdicts = (settings.store.verdicts > 0.0).then(|| VerdictBuffer::new(bound));
         Self { images: ImageBuffer::new(bound), verdicts }
     }
 

@@ -51,8 +51,8 @@ impl OverlookApp {
         );
         state.inspector.log(NoticeKind::Done, line);
         state.doc.accuracy = None;
-        let (samples, report) = (result.samples.clone(), Arc::new(report.clone()));
-        state.doc.whole = Some(Whole { samples, report, settings });
+        let Preprocessed { samples, verdicts, report } = result.clone();
+        state.doc.whole = Some(Whole { samples, report: report.into(), verdicts, settings });
     }
 
     /// Takes in how accurate what is kept is.

@@ -124,7 +124,7 @@ pub(crate) fn prune_whole(request: WholeRequest, outbox: &Outbox, job: &Job) -> 
         outbox.send(Message::Scanned { scene: scene.id, scan: scan.clone() });
         scan
     };
-    let result = preprocess::prune(capture, &scan, &settings, job)?;
+    let result = preprocess::prune_for_store(capture, &scan, &settings, job)?;
     Ok(Message::Pruned { scene: scene.id, settings, result: Arc::new(result), read_seconds })
 }
 

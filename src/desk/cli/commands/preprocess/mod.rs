@@ -126,7 +126,7 @@ impl PreprocessArgs {
         let stages = Stages { path, capture: &capture, out, settings, edits: &edits, left };
         let (report, bytes_store) = match self.work()? {
             Work::Whole => output::watched(|job| {
-                pruned_store::prune_into_store(&capture, settings, &edits, &self.out, job)
+                pruned_store::prune_into_store(&capture, None, settings, &edits, &self.out, job)
             })?,
             Work::Measure => {
                 return self.left(&output::watched(|job| stages.measure(job))?, "--stage scan --part 1/N");
