@@ -7,6 +7,8 @@
 const OWN_SHARE: vec2<f32> = vec2<f32>(0.15, 1.2);
 const SUBPIXEL_SHARE: vec2<f32> = vec2<f32>(0.1, 1.6);
 const SUBPIXEL_CRACK_SHARE: vec2<f32> = vec2<f32>(-1.3, 4.1);
+const LESS_BY_MANY: vec2<f32> = vec2<f32>(0.25, 0.4);
+const MANY: f32 = 4.0;
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 // The weight of samples that show nothing, beside agreeing ones: half of it counts for the surface and half against it.
 const UNKNOWN_WEIGHT: f32 = 0.5;
@@ -83,8 +85,11 @@ fn share_of(at: vec2<f32>, w: f32, is_crack: bool) -> f32 {
         }
     }
     if total > MIN_VOTES * max_weight {
-        let of_subpixel = select(SUBPIXEL_SHARE, SUBPIXEL_CRACK_SHARE, is_crack);
-        let by = select(OWN_SHARE, of_subpixel, stage.subpixels == 2u);
+        let many = clamp((total / max_weight - 1.0) / (MANY - 1.0), 0.0, 1.0);
+        let of_rim = vec2<f32>(SUBPIXEL_SHARE.x - LESS_BY_MANY.y * many, SUBPIXEL_SHARE.y);
+        let of_subpixel = select(of_rim, SUBPIXEL_CRACK_SHARE, is_crack);
+        let of_pixel = vec2<f32>(OWN_SHARE.x - LESS_BY_MANY.x * many, OWN_SHARE.y);
+        let by = select(of_pixel, of_subpixel, stage.subpixels == 2u);
         let share = by.x + by.y * agree / total;
         return select(select(share, 1.0, share > 1.0 - LEAST_SHARE), 0.0, share < LEAST_SHARE);
     }

@@ -137,6 +137,8 @@ ${DEPTHS}
 const vec2 OWN_SHARE = vec2(0.15, 1.2);
 const vec2 SUBPIXEL_SHARE = vec2(0.1, 1.6);
 const vec2 SUBPIXEL_CRACK_SHARE = vec2(-1.3, 4.1);
+const vec2 LESS_BY_MANY = vec2(0.25, 0.4);
+const float MANY = 4.0;
 const float LEAST_SHARE = 1.0 / 256.0;
 const float UNKNOWN_WEIGHT = 0.5;
 const float MAX_SLOPE = 8.0;
@@ -188,7 +190,9 @@ float share_of(vec2 at, float w, bool is_crack) {
     largest = max(largest, weight);
   }
   if (total <= MIN_VOTES * largest) return -1.0;
-  vec2 by = subpixels == 1 ? OWN_SHARE : is_crack ? SUBPIXEL_CRACK_SHARE : SUBPIXEL_SHARE;
+  float many = clamp((total / largest - 1.0) / (MANY - 1.0), 0.0, 1.0);
+  vec2 by = subpixels == 1 ? OWN_SHARE - vec2(LESS_BY_MANY.x * many, 0.0) :
+    is_crack ? SUBPIXEL_CRACK_SHARE : SUBPIXEL_SHARE - vec2(LESS_BY_MANY.y * many, 0.0);
   float share = by.x + by.y * agree / total;
   return share < LEAST_SHARE ? 0.0 : share > 1.0 - LEAST_SHARE ? 1.0 : share;
 }

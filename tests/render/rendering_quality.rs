@@ -278,15 +278,14 @@ fn gathering_is_closer_to_the_truth_than_blending_blocks_before_and_after_prunin
 }
 
 #[test]
-fn a_silhouette_that_other_cameras_see_through_does_not_grow() {
+fn a_silhouette_lies_where_it_is_and_neither_grows_nor_shrinks_with_more_cameras() {
     let scene = Scene::still_life();
-    let capture = scene.record(arc(5, 96), 1);
     let vantage = camera("novel", DVec3::new(0.4, -4.4, 2.5), DVec3::new(0.3, 0.2, 0.3), 96);
     let truth = scene.trace(&vantage, 0, 9);
-    let samples = samples(&capture, PruningMethod::Off);
     // Pixels whose inverse depth is the nearer sphere's although the ground or the sky is seen there, and the reverse.
-    let shown = |kernel| {
-        let picture = paint(&samples, &vantage, kernel);
+    let shown = |cameras, kernel| {
+        let capture = scene.record(arc(cameras, 96), 1);
+        let picture = paint(&samples(&capture, PruningMethod::Off), &vantage, kernel);
         let pairs = picture.inverse_depth.as_slice().iter().zip(truth.inverse_depth.as_slice());
         let (mut grown, mut shrunk) = (0_i32, 0_i32);
         // Up to 20 m: towards the horizon the ground's own depth changes by as much from pixel to pixel.
@@ -296,11 +295,14 @@ fn a_silhouette_that_other_cameras_see_through_does_not_grow() {
         }
         (grown, shrunk)
     };
-    let (grown, shrunk) = shown(Kernel::Gather);
-    let (block_grown, _) = shown(Kernel::Block);
-    assert!(2 * grown < block_grown, "gather {grown}, block {block_grown}");
-    // Measured: 34 and 0, of some 300 pixels beside silhouettes, each of which may fall to either side; half as many more are let pass.
-    assert!(grown <= 51 && shrunk <= 5, "{grown} grown, {shrunk} shrunk");
+    for cameras in [5, 16] {
+        let (grown, shrunk) = shown(cameras, Kernel::Gather);
+        let (block_grown, _) = shown(cameras, Kernel::Block);
+        assert!(10 * grown < block_grown, "{cameras} cameras: gather {grown}, block {block_grown}");
+        // Measured: 12 and 17 of five, 28 and 7 of sixteen, of some 300 pixels beside silhouettes, each of which may fall to either side.
+        let (all, shift) = (grown + shrunk, (grown - shrunk).abs());
+        assert!(all <= 45 && shift <= 30, "{cameras} cameras: {grown} grown, {shrunk} shrunk");
+    }
 }
 
 #[test]

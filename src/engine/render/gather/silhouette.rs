@@ -23,6 +23,13 @@ const OWN_SHARE: (f32, f32) = (0.15, 1.2);
 /// beside a convex corner, all is the nearer surface's: a camera's own picture stays.
 const SUBPIXEL_SHARE: (f32, f32) = (0.1, 1.6);
 
+/// So much less are these offsets where many cameras vote, of a pixel and of a sub-pixel. Half of what many show is half of the pixel; one
+/// camera's picture has to stay as it is. What any of them shows lies in the z-buffer, so that surfaces grow the more the more there are.
+const LESS_BY_MANY: (f32, f32) = (0.25, 0.4);
+
+/// Cameras that count alike are many from this number on.
+const MANY: f32 = 4.0;
+
 /// That for a crack at a sub-pixel: it is closed if more than half of what is around it shows the nearer surface.
 const SUBPIXEL_CRACK_SHARE: (f32, f32) = (-1.3, 4.1);
 
@@ -96,12 +103,14 @@ impl EdgePixel {
     /// side.
     #[inline(always)]
     pub(super) fn decide(&self, votes: VisibilityVotes, subpixels: usize) -> PixelSurfaces {
-        let (offset, gain) = match self {
-            _ if subpixels == 1 => OWN_SHARE,
-            Self::Crack { .. } => SUBPIXEL_CRACK_SHARE,
-            _ => SUBPIXEL_SHARE,
-        };
         let decides = votes.total > MIN_VOTES * votes.max_weight;
+        let more_than_one = if decides { votes.total / votes.max_weight - 1.0 } else { 0.0 };
+        let many = (more_than_one / (MANY - 1.0)).clamp(0.0, 1.0);
+        let (offset, gain) = match self {
+            _ if subpixels == 1 => (OWN_SHARE.0 - LESS_BY_MANY.0 * many, OWN_SHARE.1),
+            Self::Crack { .. } => SUBPIXEL_CRACK_SHARE,
+            _ => (SUBPIXEL_SHARE.0 - LESS_BY_MANY.1 * many, SUBPIXEL_SHARE.1),
+        };
         let share = decides.then(|| snapped(offset + gain * votes.agree / votes.total));
         let blend = |near, far, share| match far {
             // A whole pixel keeps no share.
