@@ -21,8 +21,15 @@ fn timeless(mut document: Value) -> Value {
         match value {
             Value::Object(map) => {
                 map.retain(|key, _| {
-                    !["milliseconds", "milliseconds_se", "seconds_preprocess", "pareto", "peak"]
-                        .contains(&key.as_str())
+                    ![
+                        "milliseconds",
+                        "milliseconds_se",
+                        "seconds_preprocess",
+                        "load_of_others",
+                        "pareto",
+                        "peak",
+                    ]
+                    .contains(&key.as_str())
                 });
                 map.values_mut().for_each(strip);
             }

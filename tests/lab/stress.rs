@@ -124,7 +124,12 @@ fn the_ends_of_every_dial_come_first_and_what_a_spent_budget_left_is_measured_la
     assert_eq!(plan.open(&scene.capture, &scene.truth), dials.len() - 1);
     let timeless = |points: &[StressPoint]| -> Vec<StressPoint> {
         let timeless = |of: &StressPoint| {
-            let point = Point { milliseconds: 0.0, seconds_preprocess: 0.0, ..of.point.clone() };
+            let point = Point {
+                milliseconds: 0.0,
+                load_of_others: None,
+                seconds_preprocess: 0.0,
+                ..of.point.clone()
+            };
             StressPoint { point, ..of.clone() }
         };
         points.iter().map(timeless).collect()

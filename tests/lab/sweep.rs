@@ -19,7 +19,12 @@ fn axes() -> Vec<(String, Vec<String>)> {
 
 /// Everything but what a clock says.
 fn without_times(points: &[Point]) -> Vec<Point> {
-    let timeless = |point: &Point| Point { milliseconds: 0.0, seconds_preprocess: 0.0, ..point.clone() };
+    let timeless = |point: &Point| Point {
+        milliseconds: 0.0,
+        load_of_others: None,
+        seconds_preprocess: 0.0,
+        ..point.clone()
+    };
     points.iter().map(timeless).collect()
 }
 

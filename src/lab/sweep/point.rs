@@ -108,6 +108,9 @@ impl Series {
     }
 }
 
+/// The share of a machine that other programs may use before times on it are marked: more of them than this shows in a median.
+const QUIET_LOAD: f64 = 0.1;
+
 /// One setting and everything measured of it. Accuracy is over pixels that some camera saw, with holes filled; see [`Scores`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
@@ -163,6 +166,9 @@ pub struct Point {
     pub spans: u64,
     /// Milliseconds of rendering one view with these settings, median; as noisy as the machine.
     pub milliseconds: f64,
+    /// The share of the machine's time that other programs used meanwhile, 0 to 1; `None` where the system does not say it.
+    #[serde(default)]
+    pub load_of_others: Option<f64>,
     /// Work of painting one view that is the same on every machine: samples times the kernel's cost.
     pub work: f64,
     /// Seconds of preprocessing.
@@ -177,6 +183,12 @@ pub struct Point {
 }
 
 impl Point {
+    /// Whether its times are of a machine that other programs used as well.
+    #[must_use]
+    pub fn is_timed_under_load(&self) -> bool {
+        self.load_of_others.is_some_and(|load| load > QUIET_LOAD)
+    }
+
     /// Whether it is what a trial gave.
     pub(crate) fn is_of(&self, trial: &Trial) -> bool {
         self.label == trial.label && self.settings == trial.settings
@@ -236,6 +248,7 @@ impl Point {
             samples_shared: measured.samples_shared,
             spans: measured.spans,
             milliseconds: measured.milliseconds,
+            load_of_others: measured.load_of_others,
             work: measured.samples_painted * kernel_cost(trial.settings.render.kernel),
             seconds_preprocess: measured.seconds_preprocess,
             vantages: measured.vantages.len(),

@@ -3,6 +3,7 @@
 mod baselines;
 mod budget;
 mod compare;
+mod machine_load;
 mod paired;
 mod rival_trial;
 mod trial_result;

@@ -131,6 +131,7 @@ pub(super) fn over_folds(parts: Vec<TrialResult>) -> TrialResult {
         bytes_memory: mean(&|part| part.bytes_memory as f64).round() as u64,
         spans: parts.first().map_or(0, |part| part.spans),
         milliseconds: median(&mut times).unwrap_or_default(),
+        load_of_others: None,
         samples_painted: mean(&|part| part.samples_painted),
         seconds_preprocess: mean(&|part| part.seconds_preprocess),
         samples_shared: 0,

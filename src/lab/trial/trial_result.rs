@@ -23,6 +23,7 @@ pub struct TrialResult {
     pub(crate) spans: u64,
     /// Median over all views.
     pub(crate) milliseconds: f64,
+    pub(crate) load_of_others: Option<f64>,
     /// Mean number of samples that are projected for a view.
     pub(crate) samples_painted: f64,
     /// With the scan.

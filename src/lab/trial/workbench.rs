@@ -13,6 +13,7 @@ use std::collections::hash_map::{Entry, HashMap};
 use std::sync::Arc;
 
 use super::baselines;
+use super::machine_load::MachineLoad;
 use super::paired::MeanEstimate;
 use super::rival_trial;
 use super::trial_result::{TrialResult, scores_by_vantage};
@@ -122,9 +123,15 @@ impl Workbench {
     /// Those of preprocessing, the store and rendering; `Invalid` if no fold has a camera left; `Gpu` if the GPU cannot render:
     /// times of the CPU must not pass for its own.
     pub fn measure(&mut self, trial: &Trial, job: &Job) -> Result<TrialResult> {
-        if let Some(rival) = trial.rival {
-            return self.measure_rival(rival, trial, job);
-        }
+        let load = MachineLoad::start();
+        let measured = match trial.rival {
+            Some(rival) => self.measure_rival(rival, trial, job)?,
+            None => self.measure_samples(trial, job)?,
+        };
+        Ok(TrialResult { load_of_others: load.of_others(), ..measured })
+    }
+
+    fn measure_samples(&mut self, trial: &Trial, job: &Job) -> Result<TrialResult> {
         let renderer = opened(&mut self.renderers, trial.settings.render.backend)?;
         let (mut models, mut evaluations, mut vantages) = (Vec::new(), Vec::new(), Vec::new());
         let mut class_errors = ClassErrors::default();
@@ -159,6 +166,7 @@ impl Workbench {
             samples_shared: mean(&|model| shared(&model.samples) as f64).round() as u64,
             spans: mean(&|model| span_count(&model.samples) as f64).round() as u64,
             milliseconds: median(&mut times).unwrap_or_default(),
+            load_of_others: None,
             samples_painted: MeanEstimate::of(&views().map(|view| view.samples as f64).collect::<Vec<_>>())
                 .mean,
             seconds_preprocess: mean(&|model| model.seconds),

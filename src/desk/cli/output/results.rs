@@ -202,7 +202,7 @@ fn quoted(text: &str) -> String {
     }
 }
 
-/// One line per point; a star marks the Pareto front.
+/// One line per point; a star marks the Pareto front, and a tilde times that were taken while other programs used the machine.
 pub(crate) fn sweep_table(points: &[Point]) -> String {
     let mut text = format!(
         "{:<52} {:>9} {:>13} {:>15} {:>7} {:>7} {:>7} {:>12} {:>10} {:>8}",
@@ -232,12 +232,16 @@ pub(crate) fn sweep_table(points: &[Point]) -> String {
             ..
         } = point;
         let (samples, bytes) = (text::count(point.samples), text::bytes(point.bytes));
-        let milliseconds = point.milliseconds;
+        let about = if point.is_timed_under_load() { "~" } else { "" };
+        let milliseconds = format!("{about}{:.1}", point.milliseconds);
         let _ = write!(
             text,
             "\n{star} {label:<50} {psnr_filled_db:>9.2} {behind_best_db:>6.2} ± {behind_best_db_se:>4.2} {psnr_db:>8.2} ± {psnr_db_se:>4.2} \
-             {ssim:>7.4} {flip:>7.4} {coverage:>7.4} {samples:>12} {bytes:>10} {milliseconds:>8.1}"
+             {ssim:>7.4} {flip:>7.4} {coverage:>7.4} {samples:>12} {bytes:>10} {milliseconds:>8}"
         );
+    }
+    if points.iter().any(Point::is_timed_under_load) {
+        text += "\n~ times that were taken while other programs used more than a tenth of the machine";
     }
     text
 }

@@ -150,6 +150,7 @@ fn sweep_row(point: &Point) -> CsvRow {
         ("bytes", point.bytes.to_string()),
         ("bytes_memory", point.bytes_memory.to_string()),
         ("milliseconds", point.milliseconds.to_string()),
+        ("load_of_others", point.load_of_others.map_or_else(String::new, |load| load.to_string())),
         ("seconds_preprocess", point.seconds_preprocess.to_string()),
         ("pareto", point.pareto.to_string()),
     ]
@@ -332,7 +333,7 @@ mod tests {
         let text = |form| table_text(Table::Sweep, form, &state).unwrap();
         let csv = text(TableForm::Csv);
         let lines: Vec<&str> = csv.lines().collect();
-        assert_eq!((lines.len(), lines[0].split(',').count()), (2, 14));
+        assert_eq!((lines.len(), lines[0].split(',').count()), (2, 15));
         assert!(lines[0].starts_with("label,series,kernel,psnr_filled_db,"), "{csv}");
         assert!(lines[1].starts_with("\"50 % of a_b | {c}, \"\"d\"\"\","), "{csv}");
         let markdown = text(TableForm::Markdown);

@@ -97,6 +97,10 @@ impl Quantity {
         }
     }
 
+    pub(crate) fn is_time(self) -> bool {
+        matches!(self, Self::Milliseconds | Self::Seconds)
+    }
+
     /// Whether its axis can be logarithmic: it is a size or a time. Decibels are logarithms already.
     pub(crate) fn has_decades(self) -> bool {
         Self::ALL.iter().any(|(of, _, scale)| *of == self && *scale == Scale::Log)

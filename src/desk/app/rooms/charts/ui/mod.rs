@@ -63,6 +63,8 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let shown: Vec<&Point> = charts.sweep.iter().filter(is_shown).collect();
     let placed: Vec<_> = shown.iter().filter_map(|point| Some((*point, place(axes, point)?))).collect();
     let places: Vec<_> = placed.iter().map(|(_, place)| *place).collect();
+    let shows_time = axes.iter().any(|axis| axis.quantity.is_time());
+    let is_doubtful = |point: &Point| shows_time && point.is_timed_under_load();
     let height = (ui.available_height() - HINT).max(40.0);
     let plot = sweep_plot(ui, axes, &places, height).show(ui, |plot_ui| {
         if shows(FRONT) {
@@ -71,9 +73,13 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
         for ChartSeries { kind: (kernel, series), points } in drawn {
             let name = format!("{}, {}", series_name(series), kernel_name(kernel));
             let points = points.into_iter().filter(|point| is_shown(point));
-            let points: Vec<_> = points.filter_map(|point| place(axes, point)).collect();
+            let (loaded, quiet): (Vec<&Point>, Vec<&Point>) = points.partition(|point| is_doubtful(point));
             let (shape, color) = look_of_series(series, kernel_color(kernel), &tokens);
-            plot_ui.points(Points::new(name, points).color(color).radius(4.0).shape(shape));
+            for (points, is_quiet) in [(quiet, true), (loaded, false)] {
+                let places: Vec<_> = points.into_iter().filter_map(|point| place(axes, point)).collect();
+                let points = Points::new(name.clone(), places).color(color).radius(4.0).shape(shape);
+                plot_ui.points(points.filled(is_quiet));
+            }
         }
         if let Some(at) = current.filter(|_| shows(CURRENT)) {
             plot_ui.points(Points::new(CURRENT, vec![at]).color(tokens.mark).radius(8.0).filled(false));
@@ -83,7 +89,9 @@ pub(crate) fn tradeoff_ui(ui: &mut Ui, state: &State, commands: &mut Commands) {
     let count = placed.len();
     let hint = format!("{}; click {} to apply it", counted(count, "setting"), either(count, "it", "one"));
     let left_out = left_out_words(shown.len() - count).map_or_else(String::new, |words| format!("; {words}"));
-    one_line(ui, hint + &left_out, tokens.text_weak);
+    let is_loaded = placed.iter().any(|(point, _)| is_doubtful(point));
+    let hollow = if is_loaded { "; hollow: timed while other programs used the machine" } else { "" };
+    one_line(ui, hint + &left_out + hollow, tokens.text_weak);
     plot.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Sweep chart"));
     if let Some((point, _)) = plot.inner.and_then(|index| placed.get(index)) {
         if let Some(settings) = settings_alone(point).filter(|_| plot.response.clicked()) {
@@ -142,6 +150,9 @@ fn words(point: &Point, axes: [Quantity; 2]) -> String {
         model::bytes(point.bytes_memory),
         model::significant(point.milliseconds)
     ));
+    if let Some(load) = point.load_of_others.filter(|_| point.is_timed_under_load()) {
+        lines.push(format!("Timed while other programs used {:.0} % of the machine", 100.0 * load));
+    }
     if settings_alone(point).is_none() {
         lines.push("Only for comparison: no settings give it".to_owned());
     }
