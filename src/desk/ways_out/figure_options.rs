@@ -19,17 +19,24 @@ pub(crate) enum FigureOf {
     Source,
     /// The pictures of Compare.
     Compared,
+    /// What the last change of settings did in the live view.
+    Change,
 }
 
 impl FigureOf {
     /// Every choice: its name and what it is.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::Live, "Live view", "The live view as it is colored, rendered anew at the size of the figure."),
         (Self::Source, "Source picture", "The recorded picture with the overlay that is chosen."),
         (
             Self::Compared,
             "Comparison",
             "What Compare shows, zoomed as there: wiped, side by side, one of both, or their difference with its scale.",
+        ),
+        (
+            Self::Change,
+            "Last change",
+            "The live view, with the samples of this frame that the last change of settings dropped, and those that it brought back.",
         ),
     ];
 }

@@ -125,6 +125,8 @@ pub(crate) struct Options {
     pub picture_size: Option<[u32; 2]>,
     /// How a video or pictures along the camera path show both sides of the comparison; `None` for the samples alone.
     pub compares: Option<FilmComparison>,
+    /// Text below every picture of a video; empty for none.
+    pub film_caption: String,
     /// Whether pictures are EXR with linear color and depth.
     pub linear: bool,
     /// Whether points are those of every frame, in a folder.
@@ -148,6 +150,7 @@ impl Default for Options {
             along_path: false,
             picture_size: None,
             compares: None,
+            film_caption: String::new(),
             linear: false,
             points_of_all_frames: false,
             figure_of: FigureOf::default(),

@@ -13,7 +13,7 @@ use super::color_bar::{BarLook, ColorBar};
 use super::svg::{
     Anchor, Chart, DARK_FAINT, DARK_INK, DARK_PAPER, FAINT, INK, ON_PLATE, PAPER, Print, Svg, hex,
 };
-use super::type_metrics::{lines, missing_letter, text_width};
+use super::type_metrics::{check_letters, lines, text_width};
 use overlook_engine::error::{Error, Result};
 
 /// A typographic point, inches.
@@ -94,13 +94,7 @@ impl Figure {
         let names = self.legend.iter().map(|entry| &entry.name);
         let titles = self.color_bar.iter().map(|bar| &bar.title);
         for text in names.chain(titles).chain([&self.caption]) {
-            if let Some(letter) = missing_letter(text) {
-                let what = format!(
-                    "the typeface of figures has no letter '{letter}' (U+{:04X}), which stands in '{text}'; write it otherwise, or leave out the legend",
-                    u32::from(letter)
-                );
-                return Err(Error::invalid("figure", what));
-            }
+            check_letters(text, "figure", "write it otherwise, or leave out the legend")?;
         }
         let type_size = self.type_points * POINT * f64::from(self.dots_per_inch);
         let columns = f64::from(self.columns);

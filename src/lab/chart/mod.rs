@@ -8,6 +8,7 @@
 //! Text is set in a typeface that the program brings along: no machine needs fonts.
 
 mod axis;
+mod caption;
 mod color_bar;
 mod error_picture;
 mod figure;
@@ -21,6 +22,7 @@ mod type_metrics;
 mod views;
 
 pub use axis::{ChartSeries, Marker, Scale, series};
+pub use caption::Caption;
 pub use color_bar::ColorBar;
 pub use error_picture::error_picture;
 pub use figure::{FIGURE_COLUMNS, Figure, LegendEntry, ScaleBar};

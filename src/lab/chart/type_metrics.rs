@@ -3,6 +3,8 @@
 use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider};
 
+use overlook_engine::error::{Error, Result};
+
 /// Its name in SVG.
 pub(super) const FAMILY: &str = "Ubuntu";
 
@@ -20,11 +22,18 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().filter_map(advance).map(f64::from).sum::<f64>() * size
 }
 
-/// The first letter of a text that the typeface lacks.
-pub(super) fn missing_letter(text: &str) -> Option<char> {
-    let font = FontRef::new(FONT).ok()?;
+/// Refuses a text with a letter that the typeface lacks. `place` is what it stands in, `remedy` what to do.
+pub(super) fn check_letters(text: &str, place: &str, remedy: &str) -> Result<()> {
+    let Ok(font) = FontRef::new(FONT) else { return Ok(()) };
     let glyphs = font.charmap();
-    text.chars().find(|letter| !letter.is_whitespace() && glyphs.map(*letter).is_none())
+    let missing = text.chars().find(|letter| !letter.is_whitespace() && glyphs.map(*letter).is_none());
+    missing.map_or(Ok(()), |letter| {
+        let what = format!(
+            "its typeface has no letter '{letter}' (U+{:04X}), which stands in '{text}'; {remedy}",
+            u32::from(letter)
+        );
+        Err(Error::invalid(place, what))
+    })
 }
 
 /// A text as lines that are no wider than `width` where their words allow it. Line breaks of the text stay.

@@ -73,8 +73,8 @@ impl Command {
 
     /// Whether it moves the live view by hand, and nothing else.
     pub(crate) fn moves_view(&self) -> bool {
-        use ViewCommand::{Dolly, DollyTo, Fly, Orbit, Pan};
-        matches!(self, Self::View(Orbit(_) | Pan(_) | Dolly(_) | DollyTo { .. } | Fly(_)))
+        use ViewCommand::{Dolly, Fly, Orbit, Pan};
+        matches!(self, Self::View(Orbit(_) | Pan(_) | Dolly(..) | Fly(_)))
     }
 }
 
@@ -211,11 +211,6 @@ impl ViewCommand {
         let mut look = Box::new(look.clone());
         change(&mut look);
         Self::Look(look)
-    }
-
-    /// Whether it moves the view by hand, and nothing else.
-    pub(crate) fn moves_view(&self) -> bool {
-        matches!(self, Self::Orbit(_) | Self::Pan(_) | Self::Dolly(..) | Self::Fly(_))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::app::model::purpose::Purpose;
 use crate::app::model::scene::{Accuracy, CameraMemory, Inspected, OpenScene};
 use crate::app::model::work_kind::WorkKind;
 use crate::app::rooms::change::state::ChangeRequest;
-use crate::app::rooms::charts::state::{Found, Study};
+use crate::app::rooms::charts::state::Found;
 use crate::app::rooms::compare::state::{CompareKey, PictureDifference, PictureFolder};
 use crate::app::rooms::edits::state::{EditKey, EditedScene};
 use crate::app::rooms::path::{CameraPath, SavedPathKey};

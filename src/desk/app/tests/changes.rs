@@ -1,6 +1,8 @@
 //! What the window tells of a change of settings.
 
 use super::*;
+use crate::app::rooms::files::paths::no_figure;
+use crate::ways_out::figure::{FIGURE, FigureOf};
 
 fn set_depth_tolerance(app: &mut OverlookApp, footprints: f64) {
     set(app, "pruning.depth_tolerance", footprints);
@@ -25,6 +27,26 @@ fn samples_are_seen_coming_and_going_as_a_threshold_turns_and_then_no_more() {
     set_depth_tolerance(&mut app, 1.0);
     settle(&mut app);
     assert!(app.state.doc.change.glows.is_empty(), "it is switched off");
+}
+
+#[test]
+fn a_figure_keeps_what_the_last_change_dropped_and_brought_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("change.svg");
+    let mut app = ready(3, 2);
+    assert!(no_figure(&app.state, FigureOf::Change).is_some_and(|why| why.contains("turn a threshold")));
+    set_depth_tolerance(&mut app, 0.05);
+    settle(&mut app);
+    assert_eq!(no_figure(&app.state, FigureOf::Change), None);
+    app.state.share.options.figure_of = FigureOf::Change;
+    app.take_path(Purpose::Share(&FIGURE), path.clone());
+    settle(&mut app);
+    let figure = std::fs::read_to_string(&path).unwrap();
+    let [dropped, back] = ["dropped, 0 samples", "brought back, "].map(|told| figure.contains(told));
+    assert!(
+        dropped && back && !figure.contains("brought back, 0 samples"),
+        "a narrower tolerance drops less"
+    );
 }
 
 #[test]

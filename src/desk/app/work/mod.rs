@@ -5,6 +5,7 @@
 //! ```
 
 pub(crate) mod develop;
+pub(crate) mod differing_samples;
 pub(crate) mod requests;
 pub(crate) mod shown_samples;
 pub(crate) mod worker;

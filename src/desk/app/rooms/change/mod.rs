@@ -5,10 +5,14 @@ pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;
 
+use std::sync::Arc;
+
+use crate::app::model::same::Same;
 use crate::app::model::scene::method_of;
 use crate::app::model::state::State;
 use crate::app::rooms::change::state::{Difference, Figures};
 use crate::text::{bytes, count, significant};
+use overlook_engine::samples::SampleSet;
 
 impl Figures {
     /// What is known under the settings on the sliders.
@@ -21,6 +25,7 @@ impl Figures {
         Self {
             settings: state.settings.clone(),
             frame: inspected.map(|inspected| (inspected.inspection.frame, inspected.kept.iter().sum())),
+            frame_samples: inspected.map(|inspected| Same(inspected.inspection.samples.clone())),
             samples: whole.map(|whole| whole.report.samples_kept),
             bytes: whole.map(|whole| whole.report.bytes_memory),
             psnr_db: doc.accuracy.filter(|_| whole.is_some()).map(|accuracy| accuracy.psnr_db),
@@ -53,6 +58,17 @@ fn difference<T: Copy>(
 }
 
 impl State {
+    /// The samples of the frame shown that were kept before the last change of settings and are kept now; `None` without a change, or while
+    /// one of them is not known.
+    pub(crate) fn changed_samples(&self) -> Option<[Arc<SampleSet>; 2]> {
+        let (before, now) = (self.doc.change.before.as_ref()?, Figures::of(self));
+        let is_here =
+            |figures: &Figures| figures.frame.is_some_and(|(frame, _)| frame == self.timeline.frame);
+        let both = [before, &now].map(|figures| figures.frame_samples.clone().filter(|_| is_here(figures)));
+        let [Some(Same(before)), Some(Same(now))] = both else { return None };
+        Some([before, now])
+    }
+
     /// Figures before the last change of settings and now; empty without a change. What was not known before is left out.
     pub(crate) fn differences(&self) -> Vec<Difference> {
         let Some(before) = &self.doc.change.before else { return Vec::new() };

@@ -8,6 +8,7 @@ use crate::app::model::picture::LivePicture;
 use crate::app::model::same::Same;
 use overlook_engine::capture::Camera;
 use overlook_engine::preprocess::inspect::FrameInspection;
+use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::Settings;
 
 /// How long samples that went or came glow.
@@ -54,6 +55,8 @@ pub(crate) struct Figures {
     pub settings: Settings,
     /// A frame, and the samples that are kept of it.
     pub frame: Option<(usize, u64)>,
+    /// These samples.
+    pub frame_samples: Option<Same<SampleSet>>,
     /// Samples that are kept of all frames.
     pub samples: Option<u64>,
     /// Bytes of these in memory.

@@ -304,7 +304,12 @@ pub(crate) fn no_figure(state: &State, of: FigureOf) -> Option<&'static str> {
         FigureOf::Compared if state.compared_figure().is_none() => {
             Some("There is no comparison: open Compare, and choose two sides that it can show.")
         }
-        FigureOf::Live if state.doc.live_shown.is_none() => Some("The live view has no picture yet."),
+        FigureOf::Live | FigureOf::Change if state.doc.live_shown.is_none() => {
+            Some("The live view has no picture yet.")
+        }
+        FigureOf::Change if state.changed_samples().is_none() => Some(
+            "No change of settings is known at this frame: turn a threshold, and wait until the frame is pruned.",
+        ),
         _ => None,
     }
 }

@@ -13,7 +13,9 @@ use crate::app::rooms::files::paths::{no_figure, no_scene};
 use crate::app::rooms::files::work::{chart_image, color_image, save_picture};
 use crate::app::rooms::share::PathExport;
 use crate::app::rooms::share::state::{Exported, ShareOutcome, SharePreviewKey, ShownPreview};
-use crate::app::rooms::share::work::pictures::{self, of_comparison, of_live_view, of_source_picture};
+use crate::app::rooms::share::work::pictures::{
+    self, of_change, of_comparison, of_live_view, of_source_picture,
+};
 use crate::app::rooms::share::work::{write_path, write_view};
 use crate::app::work::FileWork;
 use crate::pruned_store::prune_into_store;
@@ -23,7 +25,6 @@ use crate::ways_out::film::VIDEO;
 use crate::ways_out::pictures::{LINEAR_PICTURE, LINEAR_PICTURES, PICTURE, PICTURES};
 use crate::ways_out::store::STORE;
 use crate::ways_out::{FileKind, Frames, Shared, WAYS};
-use overlook_engine::capture::Capture;
 use overlook_engine::capture::transforms::write_cameras;
 use overlook_engine::edited_store::write_edited_store;
 use overlook_engine::error::{Error, Result};
@@ -32,7 +33,6 @@ use overlook_engine::page::PagePath;
 use overlook_engine::plural::counted;
 use overlook_engine::render::film::FilmSource;
 use overlook_engine::store;
-use overlook_engine::store::file::{Extras, Provenance, write_with};
 use overlook_engine::store::playback::Playback;
 use overlook_lab::chart::Figure;
 
@@ -131,22 +131,12 @@ impl OverlookApp {
                 };
                 written(path, bytes, None)
             });
-        } else if !edits.is_idle() {
+        } else {
+            let before = self.state.pruned_before();
             self.save(path, move |path, job| {
-                let (_, bytes) = prune_into_store(scene.source()?, &settings, &edits, path, job)?;
+                let (_, bytes) =
+                    prune_into_store(scene.source()?, before.as_ref(), &settings, &edits, path, job)?;
                 written(path, bytes, Some((scene.id, settings)))
-            });
-        } else if let Some(whole) = &self.state.doc.whole {
-            // The store records the rendering settings of now, so that it looks the same when it is opened.
-            let (mut samples, report) = ((*whole.samples).clone(), whole.report.clone());
-            samples.settings.render = settings.render;
-            self.save(path, move |path, job| {
-                job.start(format!("Saving {}", path.display()), 0);
-                let frames_are_ranked = scene.capture().is_some_and(Capture::frames_are_ranked);
-                let provenance = Provenance { frames_are_ranked, ..Provenance::default() };
-                let extras = Extras { report: report.to_json()?, provenance, ..Extras::default() };
-                let bytes = write_with(path, &samples, &extras, job)?;
-                written(path, bytes, Some((scene.id, samples.settings)))
             });
         }
     }
@@ -209,6 +199,7 @@ impl OverlookApp {
             settings: state.settings.render.clone(),
             display: state.display,
             size: state.export_size(),
+            caption: state.share.options.film_caption.clone(),
             film_rate: (*kind == VIDEO).then(|| state.timeline.frames_per_second.into()),
             linear: *kind == LINEAR_PICTURES,
         };
@@ -318,6 +309,11 @@ impl OverlookApp {
             FigureOf::Live => {
                 let key = state.live_key(state.figure_size(), options.is_dark)?;
                 Box::new(move |job| of_live_view(&key, &how, job))
+            }
+            FigureOf::Change => {
+                let pair = state.changed_samples()?;
+                let key = state.live_key(state.figure_size(), options.is_dark)?;
+                Box::new(move |job| of_change(&key, pair.each_ref().map(|samples| &**samples), &how, job))
             }
             FigureOf::Source => {
                 let key = state.doc.source_shown.as_ref()?.key.clone();

@@ -9,14 +9,10 @@ use std::sync::Arc;
 
 use crate::app::model::look::Display;
 use crate::app::model::picture::{ColorBy, HoleDisplay, LiveKey};
-use crate::app::model::same::Same;
 use crate::app::model::scene::OpenScene;
 use crate::app::model::state::State;
 use crate::app::rooms::compare::state::{CompareKey, CompareVantage};
-use crate::app::rooms::share::state::SharePreviewKey;
-use crate::app::work::worker::Wanted;
 use crate::ways_out::figure::FigureOf;
-use crate::ways_out::page::{EMPTY_PAGE, PAGE_BY_STORE};
 use crate::ways_out::{Needs, Options, Scope, Size, Way};
 use overlook_engine::plural::counted;
 use overlook_engine::preprocess::PreparedScan;
@@ -58,6 +54,8 @@ pub(crate) struct PathExport {
     pub size: [u32; 2],
     /// How many pictures a film shows a second; `None` for a folder.
     pub film_rate: Option<f64>,
+    /// Text below every picture of a film; empty for none.
+    pub caption: String,
     /// Whether a folder receives EXR of linear color and depth in place of PNG.
     pub linear: bool,
 }
@@ -152,40 +150,6 @@ impl State {
     }
 }
 
-/// Columns of a preview, pixels.
-const PREVIEW_COLUMNS: u32 = 320;
-
-impl Wanted for SharePreviewKey {
-    /// The preview that the dialog shows of the chosen way, where a budget makes it coarser.
-    fn wanted(state: &State) -> Option<Self> {
-        let (facts, options) = (state.share.facts.as_ref()?, &state.share.options);
-        let share = match options.way {
-            Way::Page => {
-                let most = options.page_at_most()? as f64 - EMPTY_PAGE;
-                most / (facts.store_bytes * PAGE_BY_STORE).max(1.0)
-            }
-            Way::Splats => {
-                let most = options.splats_at_most()? as f64;
-                let all = if options.format.holds_time() { facts.samples } else { facts.placed_here };
-                most / all.max(1) as f64
-            }
-            _ => return None,
-        };
-        let [width, height] = state.live.size;
-        let rows = (PREVIEW_COLUMNS * height / width.max(1)).max(1);
-        let camera = state.live_camera([PREVIEW_COLUMNS, rows])?;
-        let ready = state.is_whole_ready() && state.share.is_open && share < 1.0;
-        let samples = state.edited_samples().or(state.whole_samples()).filter(|_| ready)?;
-        Some(Self {
-            scene: state.doc.scene.clone()?,
-            samples: Same(samples.clone()),
-            vantage: Vantage { camera, frame: state.timeline.frame },
-            settings: state.settings.render.clone(),
-            share: share.max(0.0),
-        })
-    }
-}
-
 impl State {
     /// The size of a way out, with the options of the dialog.
     pub(crate) fn share_size(&self, way: Way) -> Size {
@@ -215,7 +179,7 @@ impl State {
     /// Columns and rows of the picture of a figure.
     fn size_in_figure(&self, of: FigureOf) -> [u32; 2] {
         let sides = match of {
-            FigureOf::Live => return self.figure_size(),
+            FigureOf::Live | FigureOf::Change => return self.figure_size(),
             FigureOf::Source => self.doc.source_shown.as_ref().map(|shown| shown.picture.size),
             FigureOf::Compared => self.compared_figure().map(|compared| {
                 let [_, _, columns, rows] = compared.part();

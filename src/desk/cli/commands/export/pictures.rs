@@ -25,7 +25,7 @@ use overlook_engine::settings::RenderSettings;
 use overlook_engine::store::file::{Store, StoreInfo};
 use overlook_engine::store::playback::{DEFAULT_CACHE_BYTES, Playback};
 use overlook_engine::whole_file;
-use overlook_lab::chart::{ColorBar, SideNames};
+use overlook_lab::chart::{Caption, ColorBar, SideNames};
 
 /// Where a film is painted from, and how.
 #[derive(Debug, Args)]
@@ -378,6 +378,9 @@ pub(crate) struct VideoArgs {
     /// Frames a second.
     #[arg(long, default_value_t = 24.0, value_parser = frames_per_second)]
     fps: f64,
+    /// A line of text below every picture, or as many lines as it takes.
+    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true)]
+    caption: String,
 }
 
 /// Frames a second.
@@ -392,14 +395,21 @@ impl VideoArgs {
         self.film.values.values.refuse_transparent("a video")?;
         let film = self.film.plan(self.fps)?;
         self.film.refuse_inputs(&self.out)?;
+        let [columns, rows] = film.size();
+        let caption = Caption::new(&self.caption, columns)?;
+        if caption.rows() > 0 && film.panorama.is_some() {
+            let what = "players turn equirectangular pictures into a sphere, which has no place below it";
+            return Err(Error::invalid("--caption", what).into());
+        }
+        let size = [columns, rows + caption.rows()];
         let frames = counted(film.stops.numbers.len(), "frame");
         output::export(&film.stores(), None, |job| {
             // Only now does Ctrl-C clean up.
-            let mut encoder = FilmEncoder::start(&self.out, film.size(), self.fps)?;
+            let mut encoder = FilmEncoder::start(&self.out, size, self.fps)?;
             if film.panorama.is_some() {
                 encoder.mark_equirectangular();
             }
-            let notice = film.paint(job, |_, frame| encoder.add(frame.shown()))?;
+            let notice = film.paint(job, |_, frame| encoder.add(&caption.below(frame.shown())))?;
             encoder.finish(job)?;
             Ok((format!("Wrote {frames} to {}", self.out.display()), notice))
         })

@@ -139,6 +139,8 @@ fn film_ui(ui: &mut Ui, state: &State, options: &mut Options, commands: &mut Com
     if state.doc.path.pictures() > 0 {
         row_ui(ui, "Length", |ui| length_ui(ui, state, commands));
     }
+    let caption = TextEdit::singleline(&mut options.film_caption).hint_text("Below every picture");
+    text_ui(ui, "Caption", "Caption of the video", caption);
 }
 
 /// What a film shows: the samples, or both sides of the comparison.

@@ -225,7 +225,8 @@ fn unknown_entry(share: f64) -> Option<LegendEntry> {
     there.map(|name| entry(dimmed(Color32::GRAY, UNKNOWN), name))
 }
 
-fn entry(color: Color32, name: impl Into<String>) -> LegendEntry {
+/// A color and what it means.
+pub(crate) fn entry(color: Color32, name: impl Into<String>) -> LegendEntry {
     LegendEntry { color: Some(rgb(color)), name: name.into() }
 }
 

@@ -24,7 +24,8 @@ use crate::app::rooms::share::state::{ShareKey, SharePreviewKey};
 use crate::app::work::develop::developed;
 use crate::app::work::shown_samples::CameraFilter;
 use crate::app::work::worker::Wanted;
-use crate::ways_out::{Facts, PictureFacts, temporary_folder};
+use crate::ways_out::page::{EMPTY_PAGE, PAGE_BY_STORE};
+use crate::ways_out::{Facts, PictureFacts, Way, temporary_folder};
 use overlook_engine::color::srgb_from_linear;
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -37,6 +38,7 @@ use overlook_engine::samples::SampleSet;
 use overlook_engine::store::file::{Extras, write_with};
 use overlook_engine::store::playback::Playback;
 use overlook_engine::whole_file;
+use overlook_lab::chart::Caption;
 use overlook_lab::metrics::psnr_db;
 
 /// Writes what the live view shows, in the size of the key's viewpoint. Gives what was written, and why the renderer of the settings
@@ -82,12 +84,16 @@ pub(crate) fn write_path(
     let is_plain = compared.is_none() && look.is_none();
     let developed = |picture: &Picture| is_plain.then(|| developed(&export.display, picture)).flatten();
     if export.film_rate.is_some() {
-        let size = match compared {
+        let [columns, rows] = match compared {
             Some(compared) => pictures::size(compared, first)?,
             None => export.size.map(|side| side as usize),
         };
-        let mut encoder = FilmEncoder::start(path, size, rate)?;
-        paint(&mut |_, picture| encoder.add(developed(picture).as_ref().unwrap_or(picture)))?;
+        let caption = Caption::new(&export.caption, columns)?;
+        let mut encoder = FilmEncoder::start(path, [columns, rows + caption.rows()], rate)?;
+        paint(&mut |_, picture| {
+            let developed = developed(picture);
+            encoder.add(&caption.below(developed.as_ref().unwrap_or(picture)))
+        })?;
         encoder.finish(job)?;
     } else {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
@@ -235,6 +241,40 @@ pub(crate) fn show_in_folder(path: &Path) -> Result<Message> {
         Ok(Ok(status)) if status.success() || cfg!(windows) => Ok(Message::FolderShown),
         Err(RecvTimeoutError::Timeout) => Ok(Message::FolderShown),
         _ => Err(none()),
+    }
+}
+
+/// Columns of a preview, pixels.
+const PREVIEW_COLUMNS: u32 = 320;
+
+impl Wanted for SharePreviewKey {
+    /// The preview that the dialog shows of the chosen way, where a budget makes it coarser.
+    fn wanted(state: &State) -> Option<Self> {
+        let (facts, options) = (state.share.facts.as_ref()?, &state.share.options);
+        let share = match options.way {
+            Way::Page => {
+                let most = options.page_at_most()? as f64 - EMPTY_PAGE;
+                most / (facts.store_bytes * PAGE_BY_STORE).max(1.0)
+            }
+            Way::Splats => {
+                let most = options.splats_at_most()? as f64;
+                let all = if options.format.holds_time() { facts.samples } else { facts.placed_here };
+                most / all.max(1) as f64
+            }
+            _ => return None,
+        };
+        let [width, height] = state.live.size;
+        let rows = (PREVIEW_COLUMNS * height / width.max(1)).max(1);
+        let camera = state.live_camera([PREVIEW_COLUMNS, rows])?;
+        let ready = state.is_whole_ready() && state.share.is_open && share < 1.0;
+        let samples = state.edited_samples().or(state.whole_samples()).filter(|_| ready)?;
+        Some(Self {
+            scene: state.doc.scene.clone()?,
+            samples: Same(samples.clone()),
+            vantage: Vantage { camera, frame: state.timeline.frame },
+            settings: state.settings.render.clone(),
+            share: share.max(0.0),
+        })
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage};
 use image::RgbaImage;
 
+use crate::app::colormap::dimmed;
 use crate::app::model::look::Display;
 use crate::app::model::picture::{ColorBy, LiveKey, Overlay, PixelSource, SourceKey};
 use crate::app::model::{Same, median_depth};
@@ -16,7 +17,10 @@ use crate::app::rooms::live::work::image as live_image;
 use crate::app::rooms::share::work::figure_meaning::{self, Meaning, of_live, of_source};
 use crate::app::rooms::share::{ComparedFilm, FilmLook};
 use crate::app::rooms::source::work::source_picture;
+use crate::app::theme::Tokens;
+use crate::app::work::differing_samples::differing;
 use crate::app::work::shown_samples::CameraFilter;
+use crate::text::count_of;
 use crate::ways_out::figure::{FigureOptions, Unit};
 use overlook_engine::capture::{Camera, Capture, Intrinsics};
 use overlook_engine::color::{linear_from_srgb, srgb8_from_linear};
@@ -27,12 +31,18 @@ use overlook_engine::preprocess::inspect::FrameInspection;
 use overlook_engine::preprocess::{self, inspect_frame};
 use overlook_engine::render::film::{self, FilmSource};
 use overlook_engine::render::{NO_IMAGE, Picture, Renderer, ValueColors, Vantage};
+use overlook_engine::samples::SampleSet;
 use overlook_engine::settings::Settings;
 use overlook_engine::whole_file;
 use overlook_lab::chart::{ColorBar, Figure, ScaleBar, SideNames};
 
 /// The middle of a picture, which its scale bar is valid for: so many parts of each side lie on either side of it.
 const AROUND_MIDDLE: usize = 3;
+
+/// Brightness of the picture below marks, beside its own.
+const FAINT: f32 = 0.8;
+
+const OUT_OF_REACH: &str = "the picture is out of reach; try again once the view rests";
 
 /// A figure of what one camera recorded at a frame, with an overlay. Verdicts are those of the whole capture by `settings`.
 pub(crate) fn of_camera(
@@ -87,14 +97,40 @@ pub(crate) fn of_live_view(key: &LiveKey, options: &FigureOptions, job: &Job) ->
     let mut renderer = Renderer::new();
     let painted = live_image::paint(&mut renderer, &mut CameraFilter::default(), key, job)?;
     let PixelSource::InMemory { image, rendered } = &painted.pixels else {
-        return Err(Error::unsupported(
-            "figure",
-            "the picture is out of reach; try again once the view rests",
-        ));
+        return Err(Error::unsupported("figure", OUT_OF_REACH));
     };
     let meaning = of_live(key, rendered, painted.sky_holes);
     let scale = scale_bar(&key.vantage.camera.intrinsics, &rendered.inverse_depth, options.unit);
     Ok(put_together(opaque(image), meaning, Some(scale), options))
+}
+
+/// A figure of the live view in gray, with the samples of its frame that were kept `before` a change of settings alone, and those that are
+/// kept `now` alone.
+pub(crate) fn of_change(
+    key: &LiveKey,
+    [before, now]: [&SampleSet; 2],
+    options: &FigureOptions,
+    job: &Job,
+) -> Result<Figure> {
+    let painted = live_image::paint(&mut Renderer::new(), &mut CameraFilter::default(), key, job)?;
+    let PixelSource::InMemory { image, rendered } = &painted.pixels else {
+        return Err(Error::unsupported("figure", OUT_OF_REACH));
+    };
+    let camera = &key.vantage.camera;
+    let marks = differing([before, now], camera, Some((rendered, camera)), |_| Color32::WHITE);
+    let tokens = Tokens::of(options.is_dark);
+    let classes = [(tokens.contradicted, "dropped"), (tokens.confirmed, "brought back")];
+    let mut shown = ColorImage::new(image.size, image.pixels.iter().map(|own| dimmed(*own, FAINT)).collect());
+    let mut legend = Vec::new();
+    for ((marks, count), (color, name)) in marks.into_iter().zip(classes) {
+        for (pixel, mark) in shown.pixels.iter_mut().zip(marks.pixels) {
+            *pixel = if mark == Color32::TRANSPARENT { *pixel } else { color };
+        }
+        legend.push(figure_meaning::entry(color, format!("{name}, {}", count_of(count, "sample"))));
+    }
+    let scale = scale_bar(&camera.intrinsics, &rendered.inverse_depth, options.unit);
+    let meaning = Meaning { legend, color_bar: None };
+    Ok(put_together(opaque(&shown), meaning, Some(scale), options))
 }
 
 /// A figure of a comparison as its view shows it.
