@@ -120,7 +120,7 @@ impl OverlookApp {
         }
         let Self { state, ctx, .. } = self;
         match message {
-            Message::Opened(scene) => self.opened(&scene),
+            Message::Opened { scene, session } => self.opened(&scene, session.as_deref()),
             Message::Scanned { scan, .. } => self.scanned(scan),
             Message::Pruned { settings, result, read_seconds, .. } => {
                 self.pruned(settings, &result, read_seconds);

@@ -12,6 +12,7 @@ use crate::app::rooms::change::state::ChangeRequest;
 use crate::app::rooms::charts::state::Found;
 use crate::app::rooms::compare::state::{CompareKey, PictureDifference, PictureFolder};
 use crate::app::rooms::edits::state::{EditKey, EditedScene};
+use crate::app::rooms::files::state::Session;
 use crate::app::rooms::path::{CameraPath, SavedPathKey};
 use crate::app::rooms::pixel::state::{Probed, Spot};
 use crate::app::rooms::readings::state::ReadingImages;
@@ -28,8 +29,8 @@ use overlook_lab::tune::Tuned;
 
 /// An answer of a worker.
 pub(crate) enum Message {
-    /// A capture, demo or store is open.
-    Opened(Arc<OpenScene>),
+    /// A capture, demo or store is open, perhaps by a session.
+    Opened { scene: Arc<OpenScene>, session: Option<Box<Session>> },
     /// The pass over all frames is done.
     Scanned { scene: u64, scan: Arc<PreparedScan> },
     /// The whole capture is pruned. Reading all frames took so many seconds; `None` where they were read before.

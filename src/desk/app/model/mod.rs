@@ -11,6 +11,7 @@ pub(crate) mod command;
 pub(crate) mod look;
 pub(crate) mod message;
 pub(crate) mod motion_budget;
+pub(crate) mod notice;
 pub(crate) mod picture;
 pub(crate) mod purpose;
 pub(crate) mod same;

@@ -7,7 +7,6 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::app::rooms::files::state::Session;
 use overlook_engine::capture::{Camera, Capture, TruthView, pivot};
 use overlook_engine::error::{Error, Result};
 use overlook_engine::job::Job;
@@ -72,8 +71,6 @@ pub(crate) struct OpenScene {
     pub manifest: Option<PathBuf>,
     /// Whether a capture is open under another reading than that of its files.
     pub is_reread: bool,
-    /// The session that opened it, if one did.
-    pub session: Option<Session>,
 }
 
 impl PartialEq for OpenScene {
@@ -102,7 +99,6 @@ impl OpenScene {
             content: Content::Capture { capture: Box::new(capture), truth },
             manifest: None,
             is_reread: false,
-            session: None,
         }
     }
 
@@ -132,7 +128,6 @@ impl OpenScene {
             },
             manifest: None,
             is_reread: false,
-            session: None,
         })
     }
 

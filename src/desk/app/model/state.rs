@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use crate::app::model::command::Opening;
 use crate::app::model::look::{Display, FrameGuide, FrameValues};
+use crate::app::model::notice::Notice;
 use crate::app::model::picture::{
     ColorBy, HoleDisplay, LiveKey, LivePicture, Overlay, PixelSource, ShownCarried, SourceKey, SourcePicture,
 };
@@ -17,9 +18,7 @@ use crate::app::model::purpose::TypedPath;
 use crate::app::model::scene::{Accuracy, CameraMemory, Content, Inspected, OpenScene, Whole, method_of};
 use crate::app::model::texture::{Texture, smaller};
 use crate::app::model::undo::History;
-use crate::app::model::window::{
-    CommandPalette, DockView, HelpPage, LogLine, Notice, NoticeKind, WindowLook,
-};
+use crate::app::model::window::{CommandPalette, DockView, HelpPage, LogLine, NoticeKind, WindowLook};
 use crate::app::model::work_kind::WorkKind;
 use crate::app::rooms::change::state::SettingsChange;
 use crate::app::rooms::charts::state::Charts;

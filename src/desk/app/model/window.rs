@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use crate::app::model::command::Command;
 use crate::app::views::views;
 
 macro_rules! dock_view {
@@ -129,24 +128,6 @@ pub(crate) enum NoticeKind {
     Error,
     Warning,
     Done,
-}
-
-/// A button of a message that leads to what it speaks of: its name, and what it does.
-pub(crate) type NoticeLink = (&'static str, Command);
-
-/// A message to the person.
-#[derive(Clone, Debug)]
-pub(crate) struct Notice {
-    pub id: u64,
-    pub kind: NoticeKind,
-    /// What was tried.
-    pub title: String,
-    /// What happened, and what to do.
-    pub text: String,
-    pub since: Instant,
-    /// The scene of the notice, which ends with it; `None` for a notice about no scene.
-    pub scene: Option<u64>,
-    pub link: Option<NoticeLink>,
 }
 
 /// A line of the log.

@@ -1,6 +1,6 @@
 //! Edits in the window: what is selected and deleted is shown, taken back and saved, with the bytes that lists give elsewhere.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use crate::app::model::command::{Combine, EditCommand, ViewCommand};
@@ -8,7 +8,7 @@ use crate::app::model::picture::LiveKey;
 use crate::app::model::purpose::{Purpose, ShareCommand};
 use crate::app::model::{Command, Same, count};
 use crate::app::rooms::report::ui::figures;
-use crate::app::tests::{OverlookApp, ready, save_store, set, settle, wait};
+use crate::app::tests::{OverlookApp, ready, save_store, set, settle, small_capture, wait};
 use crate::app::work::worker::Wanted;
 use crate::pruned_store;
 use crate::ways_out::Way;
@@ -19,10 +19,6 @@ use overlook_engine::job::Job;
 use overlook_engine::preprocess::diagnostics::Report;
 use overlook_engine::render::Picture;
 use overlook_engine::store::file::Store;
-
-pub(crate) fn small_capture() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")
-}
 
 pub(crate) fn open(app: &mut OverlookApp, path: &Path, is_capture: bool) {
     let before = app.state.doc.scene.as_ref().map(|scene| scene.id);

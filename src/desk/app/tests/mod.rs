@@ -13,7 +13,7 @@ mod telling;
 mod undoing;
 mod values;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::app::control::{OverlookApp, Start};
@@ -64,6 +64,10 @@ fn change_path(app: &mut OverlookApp, key: Option<usize>, change: impl FnOnce(&m
     app.apply(Command::Path(command));
 }
 
+fn small_capture() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/small_capture")
+}
+
 /// Gives the camera path two keys with so many pictures between them.
 fn add_path(app: &mut OverlookApp, pictures: usize) {
     change_path(app, None, |path| path.pictures_per_leg = pictures);
@@ -101,7 +105,7 @@ fn copy_capture(to: &Path) {
             }
         }
     }
-    copy_folder(&edits::small_capture(), to);
+    copy_folder(&small_capture(), to);
 }
 
 /// What happens between two pictures of the window.

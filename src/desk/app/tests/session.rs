@@ -38,7 +38,7 @@ fn held(app: &OverlookApp) -> impl PartialEq + std::fmt::Debug + use<> {
 
 /// A capture with a setting and an edit of its own.
 fn open_pruned_otherwise_and_cut(app: &mut OverlookApp) {
-    open(app, &edits::small_capture(), true);
+    open(app, &small_capture(), true);
     let mut settings = app.state.settings.clone();
     settings.pruning.depth_tolerance = 2.0;
     app.change_settings(settings);

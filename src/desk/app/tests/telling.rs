@@ -9,13 +9,14 @@ use egui_kittest::kittest::Queryable;
 use crate::app::control::{OverlookApp, secs_left};
 use crate::app::dock::Dock;
 use crate::app::model::command::{FileCommand, Opening, SettingsCommand, ViewCommand};
-use crate::app::model::window::{DockView, Notice};
+use crate::app::model::notice::Notice;
+use crate::app::model::window::DockView;
 use crate::app::model::{Busy, Command, Message, OpenScene, State, WorkKind};
 use crate::app::rooms::charts::state::Study;
 use crate::app::rooms::files;
 use crate::app::rooms::pixel::pending_verdict;
 use crate::app::start::{view_ui, window_ui};
-use crate::app::tests::{edits, ready, start, wait};
+use crate::app::tests::{ready, small_capture, start, wait};
 use crate::app::work::requests::OpenRequest;
 use crate::app::{model, theme};
 use overlook_engine::job::{Job, Progress};
@@ -53,14 +54,14 @@ fn scoring() -> Progress {
 fn a_capture_whose_up_was_taken_from_the_cameras_asks_once_and_takes_again_what_was_chosen() {
     let mut app = start(2, 1);
     let open = |app: &mut OverlookApp| {
-        let (path, settings) = (edits::small_capture(), CaptureSettings::default());
+        let (path, settings) = (small_capture(), CaptureSettings::default());
         let request = OpenRequest::Path { path, settings, keys: Vec::new() };
-        let Ok(Message::Opened(scene)) = files::work::open(request, &Job::new()) else {
+        let Ok(Message::Opened { scene, .. }) = files::work::open(request, &Job::new()) else {
             panic!("the small capture opens")
         };
         let scene = Arc::into_inner(scene).expect("nobody else has it");
         assert!(!scene.up_is_estimated, "its manifest says it");
-        app.opened(&Arc::new(OpenScene { up_is_estimated: true, ..scene }));
+        app.opened(&Arc::new(OpenScene { up_is_estimated: true, ..scene }), None);
     };
     let is_question = |notice: &Notice| notice.title == "Does it lie on its side?";
     let asks = |app: &OverlookApp| app.state.notices.iter().any(is_question);

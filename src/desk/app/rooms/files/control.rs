@@ -16,6 +16,7 @@ use crate::app::model::{self, Command, Document, OpenScene, SceneSource};
 use crate::app::rooms::compare::state::CompareVantage;
 use crate::app::rooms::files::paths::lasting;
 use crate::app::rooms::files::remembered::remember_recent;
+use crate::app::rooms::files::state::Session;
 use crate::app::rooms::source::SourceLook;
 use crate::app::work::OpenRequest;
 use crate::app::work::worker::AnySlot;
@@ -75,16 +76,16 @@ impl OverlookApp {
 }
 
 impl OverlookApp {
-    pub(crate) fn opened(&mut self, scene: &Arc<OpenScene>) {
+    pub(crate) fn opened(&mut self, scene: &Arc<OpenScene>, session: Option<&Session>) {
         self.state.remember_picture(&self.ctx);
         self.forget_closed_scene(scene);
         self.look_at_first(scene);
         self.show_views_of_scene();
-        self.notify_of_opened(scene);
+        self.notify_of_opened(scene, session.is_some());
         // Work for the closed scene stops, except for files that are being written.
         self.workers.slots().into_iter().for_each(AnySlot::stop);
         self.workers.study.cancel();
-        if let Some(session) = &scene.session {
+        if let Some(session) = session {
             self.take_session(session, scene);
         }
         if let Some((path, view)) = self.address_to_open.take()
@@ -141,7 +142,7 @@ impl OverlookApp {
     }
 
     /// Reports warnings about a scene that was opened, and settings that differ from the defaults.
-    fn notify_of_opened(&mut self, scene: &OpenScene) {
+    fn notify_of_opened(&mut self, scene: &OpenScene, by_session: bool) {
         let state = &mut self.state;
         for warning in scene.capture().iter().flat_map(|capture| &capture.warnings) {
             state.warn_of_scene("While opening", warning.clone());
@@ -163,14 +164,16 @@ impl OverlookApp {
             state.notify_with_link(NoticeKind::Done, "Settings were kept", text, link);
         }
         state.inspector.log(NoticeKind::Done, format!("Opened {}", scene.name));
-        self.ask_for_up(scene);
+        if !by_session {
+            self.ask_for_up(scene);
+        }
     }
 
     /// Asks once of a capture whose up was taken from the cameras whether it is right.
     fn ask_for_up(&mut self, scene: &OpenScene) {
         let SceneSource::Path(path) = &scene.origin else { return };
         let is_known = self.state.chosen_ups.iter().any(|(known, _)| known == path);
-        if scene.up_is_estimated && !is_known && scene.session.is_none() {
+        if scene.up_is_estimated && !is_known {
             self.state.chosen_ups.push((path.clone(), None));
             let text = "The files do not say which way is up; it was taken from the cameras.";
             let link = ("Set which way is up", Command::View(ViewCommand::FindUp));

@@ -8,49 +8,11 @@ pub(crate) mod state;
 pub(crate) mod ui;
 pub(crate) mod work;
 
-use serde::{Deserialize, Serialize};
-
 use crate::app::model::look::{Display, ShownCameras};
-use crate::app::model::picture::{ColorBy, HoleDisplay, Overlay};
 use crate::app::model::scene::OpenScene;
 use crate::app::model::state::State;
-use crate::app::rooms::compare::state::{
-    CompareChoice, CompareLook, CompareMeasure, CompareMode, CompareSide, CompareVantage,
-};
-
-/// How both views look.
-#[serde_with::skip_serializing_none]
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct SessionLook {
-    overlay: Overlay,
-    color_by: ColorBy,
-    holes: HoleDisplay,
-    frames_per_second: f32,
-    /// Names of cameras: the source view's, those hidden in the live view, and the only one shown there.
-    source_camera: Option<String>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    hidden_cameras: Vec<String>,
-    solo_camera: Option<String>,
-    /// Numbers of frames: marked ones, and the first and last that are played.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    marked_frames: Vec<i64>,
-    played_frames: Option<[i64; 2]>,
-    display: Display,
-    compare: SessionComparison,
-}
-
-/// What is compared, and how.
-#[serde_with::skip_serializing_none]
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SessionComparison {
-    sides: [CompareSide; 2],
-    measure: CompareMeasure,
-    mode: CompareMode,
-    range: Option<f32>,
-    from: CompareVantage,
-}
+use crate::app::rooms::compare::state::{CompareChoice, CompareLook, CompareSide, CompareVantage};
+use crate::app::rooms::files::state::{SessionComparison, SessionLook};
 
 impl SessionLook {
     /// How both views look at a scene.

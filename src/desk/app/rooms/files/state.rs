@@ -10,9 +10,11 @@ use egui::{ColorImage, TextureHandle, TextureOptions};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use crate::app::model::look::Display;
+use crate::app::model::picture::{ColorBy, HoleDisplay, Overlay};
 use crate::app::model::setting_names::SettingPairs;
 use crate::app::model::texture::RECENT_SIDES;
-use crate::app::rooms::files::SessionLook;
+use crate::app::rooms::compare::state::{CompareMeasure, CompareMode, CompareSide, CompareVantage};
 use crate::app::rooms::live::state::KeptView;
 use overlook_engine::capture::transforms::{Easing, PathView, path_from_json, path_to_json};
 use overlook_engine::edits::EditList;
@@ -263,6 +265,40 @@ impl RecentPicture {
         let is_small = size[0] <= RECENT_SIDES[0] && size[1] <= RECENT_SIDES[1];
         is_small.then(|| Self::new(ctx, path, ColorImage::from_rgb(size, picture.as_raw())))
     }
+}
+
+/// How both views look.
+#[serde_with::skip_serializing_none]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SessionLook {
+    pub(super) overlay: Overlay,
+    pub(super) color_by: ColorBy,
+    pub(super) holes: HoleDisplay,
+    pub(super) frames_per_second: f32,
+    /// Names of cameras: the source view's, those hidden in the live view, and the only one shown there.
+    pub(super) source_camera: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) hidden_cameras: Vec<String>,
+    pub(super) solo_camera: Option<String>,
+    /// Numbers of frames: marked ones, and the first and last that are played.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) marked_frames: Vec<i64>,
+    pub(super) played_frames: Option<[i64; 2]>,
+    pub(super) display: Display,
+    pub(super) compare: SessionComparison,
+}
+
+/// What is compared, and how.
+#[serde_with::skip_serializing_none]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SessionComparison {
+    pub(super) sides: [CompareSide; 2],
+    pub(super) measure: CompareMeasure,
+    pub(super) mode: CompareMode,
+    pub(super) range: Option<f32>,
+    pub(super) from: CompareVantage,
 }
 
 #[cfg(test)]

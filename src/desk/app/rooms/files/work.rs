@@ -33,6 +33,7 @@ static ROOM: &[u8] = include_bytes!("../../../../../assets/room/room.ovl");
 
 /// Opens a built-in scene, a capture or a store.
 pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
+    let mut session = None;
     let opened = match request {
         OpenRequest::Demo { spec, settings } => {
             job.start(format!("Opening {}", spec.scene), 0);
@@ -49,7 +50,8 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
         OpenRequest::Path { path, settings, keys } => {
             job.start(format!("Opening {}", path.display()), 0);
             if Session::is_session(&path) {
-                open_session(&path, job)
+                let known = session.insert(Session::from_text(&whole_file::short_text(&path)?, &path)?);
+                open_path(known.opens.clone(), &known.settings.capture, &[], job)
             } else {
                 open_path(path, &settings, &keys, job)
             }
@@ -57,14 +59,7 @@ pub(crate) fn open(request: OpenRequest, job: &Job) -> Result<Message> {
     }?;
     // Who cancelled meanwhile, or opened something else, does not want it any more.
     job.check()?;
-    Ok(Message::Opened(Arc::new(opened)))
-}
-
-/// Opens what a session names, with its settings.
-fn open_session(path: &Path, job: &Job) -> Result<OpenScene> {
-    let session = Session::from_text(&whole_file::short_text(path)?, path)?;
-    let scene = open_path(session.opens.clone(), &session.settings.capture, &[], job)?;
-    Ok(OpenScene { session: Some(session), ..scene })
+    Ok(Message::Opened { scene: Arc::new(opened), session: session.map(Box::new) })
 }
 
 fn open_path(

@@ -8,9 +8,10 @@ use std::time::Instant;
 
 use crate::app::model::Command;
 use crate::app::model::command::WindowCommand;
+use crate::app::model::notice::{Notice, NoticeLink};
 use crate::app::model::purpose::ShareCommand;
 use crate::app::model::state::State;
-use crate::app::model::window::{HelpPage, Notice, NoticeKind, NoticeLink, and_others};
+use crate::app::model::window::{HelpPage, NoticeKind, and_others};
 use overlook_engine::capture::NO_CAPTURE;
 use overlook_engine::error::Error;
 

@@ -10,8 +10,9 @@ use egui_material_icons::icons::{
 };
 
 use crate::app::model::command::{FileCommand, Opening, ViewCommand, WindowCommand};
+use crate::app::model::notice::Notice;
 use crate::app::model::purpose::{Purpose, ShareCommand};
-use crate::app::model::window::{CommandPalette, DockView, HelpPage, Notice, NoticeKind, Workspace};
+use crate::app::model::window::{CommandPalette, DockView, HelpPage, NoticeKind, Workspace};
 use crate::app::model::{self, Busy, Command, Commands, SceneSource, State, WorkKind};
 use crate::app::theme::{Tokens, space};
 use crate::app::widgets::{self, choice_ui, icon_button, note, segments_ui, weak, width_of_segments};

@@ -328,7 +328,7 @@ mod tests {
         state.settings.pruning.depth_tolerance = 2.5;
         let trial = Trial::new("50 % of a_b | {c}, \"d\"", Settings::default());
         let mut point = Point::new(&trial, Series::Variation, &TrialResult::default());
-        point.milliseconds = 12.345_678;
+        (point.milliseconds, point.load_of_others) = (12.345_678, Some(0.0));
         state.doc.charts.sweep.push(point);
         let text = |form| table_text(Table::Sweep, form, &state).unwrap();
         let csv = text(TableForm::Csv);
@@ -349,12 +349,12 @@ mod tests {
             "{markdown}"
         );
         let latex = text(TableForm::Latex);
-        assert!(latex.starts_with("\\begin{tabular}{lllrrrrrrrrrrl}"), "{latex}");
+        assert!(latex.starts_with("\\begin{tabular}{lllrrrrrrrrrrrl}"), "{latex}");
         assert!(
             latex.contains("  50 \\% of a\\_b | \\{c\\}, \"d\" & ") && latex.contains("\\end{tabular}\n% "),
             "{latex}"
         );
         let cells = |line: &str| line.matches(" & ").count();
-        assert!(latex.lines().filter(|line| line.ends_with("\\\\")).all(|line| cells(line) == 13), "{latex}");
+        assert!(latex.lines().filter(|line| line.ends_with("\\\\")).all(|line| cells(line) == 14), "{latex}");
     }
 }
