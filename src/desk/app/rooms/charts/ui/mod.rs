@@ -107,8 +107,14 @@ fn look_of_series(series: Series, of_others: Color32, tokens: &Tokens) -> (Marke
     (shape(Marker::of(series)), color)
 }
 
+/// Colors like those of charts on paper, told apart from both grounds: yellow is not from the light one.
 fn kernel_color(kernel: Kernel) -> Color32 {
-    camera_cues::color(Kernel::ALL.iter().position(|of| *of == kernel).unwrap_or(0))
+    camera_cues::color(match kernel {
+        Kernel::Point => 20,
+        Kernel::Block => 1,
+        Kernel::Surfel => 2,
+        Kernel::Gather => 6,
+    })
 }
 
 /// What is along and up, and the button that measures.
