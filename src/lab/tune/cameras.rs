@@ -14,7 +14,7 @@ use crate::metrics::{MAX_PSNR_DB, Scores};
 use crate::sweep::Point;
 use crate::trial::{MeanEstimate, TimeLeft, Trial, TrialResult, Workbench};
 use crate::truth::{self, Fold, Recorded, Truth};
-use overlook_engine::alignment;
+use overlook_engine::alignment::{self, Alignment};
 use overlook_engine::capture::Capture;
 use overlook_engine::edits;
 use overlook_engine::error::{Error, Result};
@@ -48,17 +48,7 @@ pub fn rank_cameras(
     // All cameras together corrected the rig; fewer must not correct it again.
     let settings = Settings { align: AlignSettings::OFF, ..plan.settings.clone() };
     let alone = shown_alone(capture, job)?;
-    let mut all = match truth {
-        Truth::Views(views) => {
-            let views = truth::views_as_taken(aligned.alignment.as_ref(), views);
-            Workbench::new(&Recorded::undisturbed(capture), &Truth::Views(views), &settings, job)?
-        }
-        Truth::HoldOut => {
-            let of =
-                Fold { held_out: None, capture: capture.clone(), classes: Vec::new(), views: Vec::new() };
-            Workbench::on(vec![of], &settings)
-        }
-    };
+    let mut all = with_all_cameras(capture, aligned.alignment.as_ref(), truth, &settings, job)?;
     let whole = all.measure(&Trial::new("all cameras", settings.clone()), job)?;
     let (total, mut known, mut time_left) = (capture.cameras.len(), plan.done.len(), TimeLeft::start(None));
     for (camera, seen_alone) in capture.cameras.iter().zip(alone) {
@@ -94,6 +84,22 @@ pub fn rank_cameras(
     }
     job.set_context("");
     Ok(())
+}
+
+/// What measures a corrected capture with all its cameras, at the true views as the correction moves them.
+fn with_all_cameras(
+    capture: &Capture,
+    alignment: Option<&Alignment>,
+    truth: &Truth,
+    settings: &Settings,
+    job: &Job,
+) -> Result<Workbench> {
+    if let Truth::Views(views) = truth {
+        let views = Truth::Views(truth::views_as_taken(alignment, views));
+        return Workbench::new(&Recorded::undisturbed(capture), &views, settings, job);
+    }
+    let of = Fold { held_out: None, capture: capture.clone(), classes: Vec::new(), views: Vec::new() };
+    Ok(Workbench::on(vec![of], settings))
 }
 
 /// Mean accuracy over all vantages, dB. Where nothing was recorded, nothing is lost.
