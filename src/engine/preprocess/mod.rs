@@ -139,11 +139,21 @@ pub fn preprocess_again(
     if edits.changes_input() {
         return preprocess_into(KeptSamples::for_store(settings), capture, Some(scan), settings, edits, job);
     }
+    checked(capture, edits, job)?;
     let Preprocessed { samples, verdicts, report } = pruned.clone();
     let images = ImageBuffer::of(&samples.images);
     let outline = sample_set(scan.capture(), &aligned_settings(settings, scan.alignment()), Vec::new());
     let pruned = BufferedResult { outline, images, verdicts, report };
     cut_by_hand(pruned, scan.capture(), &[], edits, &capture.cameras, job)
+}
+
+/// The capture without the cameras that edits leave out, after it was said what of the list has no effect.
+fn checked(capture: &Capture, edits: &EditList, job: &Job) -> Result<Capture> {
+    let left = edits::with_cameras_left(capture, edits)?;
+    for warning in edits.without_effect(&capture.frame_numbers, "edits") {
+        job.warn(warning);
+    }
+    Ok(left)
 }
 
 fn preprocess_into(
@@ -156,10 +166,7 @@ fn preprocess_into(
 ) -> Result<BufferedResult> {
     let started = Instant::now();
     settings.validate("settings")?;
-    let left = edits::with_cameras_left(capture, edits)?;
-    for warning in edits.without_effect(&capture.frame_numbers, "edits") {
-        job.warn(warning);
-    }
+    let left = checked(capture, edits, job)?;
     let known = known
         .filter(|known| edits.cameras_left_out().is_empty() && *known.align_settings() == settings.align);
     let scan = match known {
