@@ -249,6 +249,33 @@ fn a_gif_shows_the_pictures_of_the_film_for_as_long_and_without_end() {
 }
 
 #[test]
+fn a_caption_stands_below_every_picture_and_leaves_it_as_it_is() {
+    let folder = stored("3", [160, 48]);
+    let folder = folder.path();
+    for (out, more) in [("plain.mp4", &[][..]), ("told.mp4", &["--caption", "The orrery"])] {
+        let written = film(folder, &[&["--out", out], more].concat());
+        assert!(written.status.success(), "{}", said(&written));
+    }
+    let [plain, told] =
+        ["plain.mp4", "told.mp4"].map(|out| decoded(&std::fs::read(folder.join(out)).unwrap()));
+    assert!(plain.len() == told.len() && plain.len() > 1);
+    for (plain, told) in plain.iter().zip(&told) {
+        assert!(told.width() == 160 && told.height() > plain.height() + 8, "{:?}", told.dimensions());
+        let above = image::imageops::crop_imm(told, 0, 0, 160, 48).to_image();
+        let apart = above.as_raw().iter().zip(plain.as_raw()).map(|(a, b)| f64::from(a.abs_diff(*b)));
+        let mean = apart.sum::<f64>() / above.as_raw().len() as f64;
+        assert!(mean < 4.0, "{mean} of 255");
+        let below = image::imageops::crop_imm(told, 0, 48, 160, told.height() - 48).to_image();
+        let [ink, paper] = [below.iter().min(), below.iter().max()].map(|end| *end.unwrap());
+        assert!(ink < 96 && paper > 224, "{ink} on {paper}");
+    }
+    let letter = film(folder, &["--out", "letter.mp4", "--caption", "日"]);
+    assert!(said(&letter).contains("'日'") && !folder.join("letter.mp4").exists());
+    let around = film(folder, &["--out", "all.mp4", "--caption", "x", "--projection", "equirectangular"]);
+    assert!(said(&around).contains("sphere") && !folder.join("all.mp4").exists());
+}
+
+#[test]
 fn what_cannot_be_a_film_gives_one_line_and_leaves_nothing() {
     let folder = stored("3", [20_000, 2]);
     let folder = folder.path();
