@@ -96,7 +96,8 @@ fn sweep(results: &CaptureResults) -> String {
     let _ = writeln!(
         html,
         "<p class=\"note\">dB: PSNR over all pixels that some camera saw, holes filled alike. Unseen, edge, inner: PSNR there, and the \
-         share of the squared error. A star marks the Pareto front of bytes and dB, ~ a time that was taken while other programs used more than a tenth of the machine. {left_out} less accurate settings are in sweep.csv.</p>"
+         share of the squared error. A star marks the Pareto front of bytes and dB, ~ a time that was taken while other programs used \
+         more than a tenth of the machine. {left_out} less accurate settings are in sweep.csv.</p>"
     );
     if !results.worst.is_empty() {
         html += "<h3>Worst viewpoints of the default</h3>\n<p class=\"note\">The truth, the picture, and its error: bright at 64 8-bit \
@@ -180,7 +181,7 @@ fn cells(point: &Point) -> Vec<String> {
         class(point.error_by_class.map(|error| error.edge)),
         class(point.error_by_class.map(|error| error.inner)),
         format!("{:.2}", point.megabytes_of_samples()),
-        format!("{}{:.1}", if point.is_timed_under_load() { "~" } else { "" }, point.milliseconds),
+        point.milliseconds_text(),
     ]
 }
 

@@ -189,6 +189,12 @@ impl Point {
         self.load_of_others.is_some_and(|load| load > QUIET_LOAD)
     }
 
+    /// Milliseconds of rendering one view, for tables; after a tilde where they were timed under load.
+    #[must_use]
+    pub fn milliseconds_text(&self) -> String {
+        format!("{}{:.1}", if self.is_timed_under_load() { "~" } else { "" }, self.milliseconds)
+    }
+
     /// Whether it is what a trial gave.
     pub(crate) fn is_of(&self, trial: &Trial) -> bool {
         self.label == trial.label && self.settings == trial.settings

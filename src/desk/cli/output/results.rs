@@ -232,8 +232,7 @@ pub(crate) fn sweep_table(points: &[Point]) -> String {
             ..
         } = point;
         let (samples, bytes) = (text::count(point.samples), text::bytes(point.bytes));
-        let about = if point.is_timed_under_load() { "~" } else { "" };
-        let milliseconds = format!("{about}{:.1}", point.milliseconds);
+        let milliseconds = point.milliseconds_text();
         let _ = write!(
             text,
             "\n{star} {label:<50} {psnr_filled_db:>9.2} {behind_best_db:>6.2} ± {behind_best_db_se:>4.2} {psnr_db:>8.2} ± {psnr_db_se:>4.2} \

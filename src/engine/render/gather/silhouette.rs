@@ -23,11 +23,12 @@ const OWN_SHARE: (f32, f32) = (0.15, 1.2);
 /// beside a convex corner, all is the nearer surface's: a camera's own picture stays.
 const SUBPIXEL_SHARE: (f32, f32) = (0.1, 1.6);
 
-/// So much less are these offsets where many cameras vote, of a pixel and of a sub-pixel. Half of what many show is half of the pixel; one
-/// camera's picture has to stay as it is. What any of them shows lies in the z-buffer, so that surfaces grow the more the more there are.
+/// Where many cameras vote, these offsets are lower by so much, for a pixel and for a sub-pixel. One camera's picture has to stay as it
+/// is, so that its votes favor the nearer surface. But the z-buffer keeps what any camera shows, and surfaces grow with every camera that
+/// is added: with many, half of the votes has to mean about half of the pixel.
 const LESS_BY_MANY: (f32, f32) = (0.25, 0.4);
 
-/// Cameras that count alike are many from this number on.
+/// So many cameras of equal weight are many. Between one and these the offsets go down evenly.
 const MANY: f32 = 4.0;
 
 /// That for a crack at a sub-pixel: it is closed if more than half of what is around it shows the nearer surface.
