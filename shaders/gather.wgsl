@@ -1,5 +1,5 @@
 // The gather stage: the color of each surface of a pixel, looked up in the cameras.
-// Twins: src/engine/render/gather/interpolate.rs, src/engine/render/gather/subpixels.rs, `SurfacePoints::add_colors`, `GatherScratch::gather`.
+// Twins: src/engine/render/gather/interpolate.rs, src/engine/render/gather/near_cameras.rs, `SourceViews::coarse`, src/engine/render/gather/subpixels.rs, `SurfacePoints::add_colors`, `GatherScratch::gather`.
 //
 // One workgroup a block of 16×16 pixels of the z-buffer, one thread a pixel of the picture.
 
@@ -106,9 +106,66 @@ fn color_in(camera: u32, point: SurfacePoint) -> ViewColor {
     return ViewColor(found.sum * share, found.coverage * share);
 }
 
-// The color of the surface of `key` at a point, from the cameras of the patch, the best first; in a pruned set the camera of
-// the nearest sample, which kept it, comes before them.
-fn surface_color(key: vec2<u32>, point: SurfacePoint) -> vec3<f32> {
+// Where a block shows samples of so few cameras, all are asked.
+const FEW: u32 = 4u;
+
+// Cameras that recorded so coarsely that their samples count farther away than the ring reaches: bits as `bit_of` gives them.
+var<workgroup> coarse_cameras: atomic<u32>;
+
+// The bit of a camera in masks, by its place in the list; the last bit stands for all from there on.
+fn bit_of(place: u32) -> u32 {
+    return 1u << min(place, 31u);
+}
+
+// Whether it is found which cameras are seen around each pixel.
+fn finds_near() -> bool {
+    return stage.pruned != 0u && camera_count > FEW;
+}
+
+// Finds the bit of the camera of each key of the patch; called by all threads after `load_patch`. In `camera_weight` are then the places
+// of cameras, and in `camera_set` the bits.
+fn find_near(block: vec2<u32>, thread: u32) {
+    if thread == 0u {
+        atomicStore(&coarse_cameras, 0u);
+    }
+    workgroupBarrier();
+    for (var place = thread; place < camera_count; place += 256u) {
+        let camera = camera_list[place];
+        camera_weight[camera] = place;
+        let z = middle_distance(camera, vec2<i32>(block * TILE));
+        let is_fine = z > 0.0 && rate_of(camera, 1.0 / z) * 2.0 * f32(RING) >= f32(stage.subpixels);
+        if !is_fine {
+            atomicOr(&coarse_cameras, bit_of(place));
+        }
+    }
+    workgroupBarrier();
+    for (var nth = thread; nth < SIDE_SQUARED; nth += 256u) {
+        let key = patch_keys[nth];
+        camera_set[nth] = 0u;
+        if key.y != 0u {
+            camera_set[nth] = bit_of(camera_weight[pieces[piece_of(~key.x >> 8u)].camera]);
+        }
+    }
+    workgroupBarrier();
+}
+
+// The cameras that can tell something of the pixel of the picture whose first sub-pixel is `local` in its block: those of which a sample
+// is seen within the ring's breadth of it.
+fn near_cameras(local: vec2<u32>) -> u32 {
+    if !finds_near() {
+        return 0xffffffffu;
+    }
+    let reach = 2u * u32(RING) + stage.subpixels;
+    var near = atomicLoad(&coarse_cameras);
+    for (var nth = 0u; nth < reach * reach; nth++) {
+        near |= camera_set[(local.y + nth / reach) * u32(SIDE) + local.x + nth % reach];
+    }
+    return near;
+}
+
+// The color of the surface of `key` at a point, from the cameras `near` it, the best first; in a pruned set the camera of the nearest
+// sample, which kept it, comes before them.
+fn surface_color(key: vec2<u32>, point: SurfacePoint, near: u32) -> vec3<f32> {
     let pruned = stage.pruned != 0u;
     let sample_camera = pieces[piece_of(~key.x >> 8u)].camera;
     var sum = vec4<f32>(0.0);
@@ -126,7 +183,7 @@ fn surface_color(key: vec2<u32>, point: SurfacePoint) -> vec3<f32> {
             break;
         }
         camera = camera_list[next];
-        is_wanted = !pruned || camera != sample_camera;
+        is_wanted = (!pruned || camera != sample_camera) && (near & bit_of(next)) != 0u;
         next += 1u;
     }
     if coverage < MIN_COVERAGE {
@@ -210,6 +267,7 @@ fn paint(first: vec2<u32>, local: vec2<u32>) {
     let slope = select(slope_around(local), vec2<f32>(0.0), has_front);
     // Most of what is shown lies in front of the farthest surface.
     let shows_front = has_front && 2.0 * before >= all;
+    let near = near_cameras(local);
     var color = vec3<f32>(0.0);
     var front = vec3<f32>(0.0);
     var shown_key = vec2<u32>(0u);
@@ -219,7 +277,7 @@ fn paint(first: vec2<u32>, local: vec2<u32>) {
         let surface = parts.surfaces[nth];
         let w = surface.w / surface.share;
         let point = SurfacePoint(surface.at / surface.share, w, slope);
-        let found = surface_color(surface.key, point);
+        let found = surface_color(surface.key, point, near);
         let is_front = has_front && w > farthest;
         color += surface.share / all * found;
         if is_front {
@@ -253,6 +311,7 @@ fn gather(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_ind
             break;
         }
         load_patch(group.xy, thread, both);
+        find_near(group.xy, thread);
         if thread < side * side && is_painted(first, local, both) {
             paint(first, local);
         }

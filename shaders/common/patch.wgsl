@@ -14,11 +14,11 @@ const SIDE_SQUARED: u32 = 400u;
 var<workgroup> patch_keys: array<vec2<u32>, SIDE_SQUARED>;
 
 // The cameras whose samples are in the patch: a bit each, their ascending list, and their list by weight for the surface in the
-// middle of the block, largest first.
+// middle of the block, largest first. Weights are bits of floats; `find_near` uses the memory of both lists' makings again.
 const CAMERA_WORDS: u32 = 32u;
 var<workgroup> camera_bits: array<atomic<u32>, CAMERA_WORDS>;
 var<workgroup> camera_set: array<u32, 1024>;
-var<workgroup> camera_weight: array<f32, 1024>;
+var<workgroup> camera_weight: array<u32, 1024>;
 var<workgroup> camera_list: array<u32, 1024>;
 var<workgroup> camera_count: u32;
 
@@ -75,26 +75,37 @@ fn slope_around(pixel: vec2<u32>) -> vec2<f32> {
     );
 }
 
+// Inverse depth of the surface in the middle of the patch.
+fn middle_depth() -> f32 {
+    return max(inverse_depth_of(patch_keys[SIDE_SQUARED / 2u + u32(SIDE) / 2u].y), 0.0);
+}
+
+// Depth in a camera of the surface in the middle of the block whose first pixel is `corner`, over that in the vantage.
+fn middle_distance(camera: u32, corner: vec2<i32>) -> f32 {
+    let at = vec2<f32>(corner) + f32(TILE / 2u);
+    let projector = views[camera].source_from_target;
+    return (ray(projector, at.x, at.y) + projector.origin * middle_depth()).z;
+}
+
 // Weighs a camera for the middle of the block whose first pixel is `corner`.
 fn weigh_camera(nth: u32, corner: vec2<i32>) {
     let camera = camera_set[nth];
-    let middle = patch_keys[SIDE_SQUARED / 2u + u32(SIDE) / 2u];
     let at = vec2<f32>(corner) + f32(TILE / 2u);
-    let w = max(inverse_depth_of(middle.y), 0.0);
-    let projector = views[camera].source_from_target;
-    let z = (ray(projector, at.x, at.y) + projector.origin * w).z;
-    camera_weight[nth] = 0.0;
+    let z = middle_distance(camera, corner);
+    var weight = 0.0;
     if z > 0.0 {
-        camera_weight[nth] = weight_on_surface(camera, 1.0 / z, at, w, slope_around(vec2<u32>(TILE / 2u)));
+        weight = weight_on_surface(camera, 1.0 / z, at, middle_depth(), slope_around(vec2<u32>(TILE / 2u)));
     }
+    camera_weight[nth] = bitcast<u32>(weight);
 }
 
 // Puts a camera into the list behind all of larger weight, and those before it of the same weight.
 fn rank_camera(nth: u32) {
-    let weight = camera_weight[nth];
+    let weight = bitcast<f32>(camera_weight[nth]);
     var place = 0u;
     for (var other = 0u; other < camera_count; other++) {
-        let ahead = camera_weight[other] > weight || (camera_weight[other] == weight && other < nth);
+        let of_other = bitcast<f32>(camera_weight[other]);
+        let ahead = of_other > weight || (of_other == weight && other < nth);
         place += select(0u, 1u, ahead);
     }
     camera_list[place] = camera_set[nth];

@@ -205,6 +205,18 @@ fn colors_are_gathered_as_on_the_cpu() {
 }
 
 #[test]
+fn among_many_cameras_the_same_ones_are_asked_as_on_the_cpu() {
+    let Some(mut gpu) = gpu() else { return };
+    let samples = samples(&Scene::still_life().record(arc(12, 96), 1));
+    for camera in [novel(), close(), distant()] {
+        let (cpu, _) = on_cpu(&samples, &camera, 0, Kernel::Gather);
+        let (gpu, _) = on_gpu(&mut gpu, &samples, &camera, 0, Kernel::Gather);
+        let found = Difference::between(&cpu, &gpu);
+        assert!(agree(&found) && found.worst <= worst_color(Kernel::Gather), "{}: {found:?}", camera.name);
+    }
+}
+
+#[test]
 fn close_ups_and_colors_outside_of_the_gamut_are_painted_as_on_the_cpu() {
     let Some(mut gpu) = gpu() else { return };
     let mut scene = Scene::still_life();

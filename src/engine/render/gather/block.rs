@@ -1,9 +1,10 @@
-//! The gather stage for one block of pixels: which surfaces each pixel shows, decided at edges by the votes of the cameras, and
-//! the color of each of these surface points.
+//! The gather stage for some blocks of pixels: which surfaces each pixel shows, decided block by block, at edges by the votes of the
+//! cameras, and the color of each of these surface points.
 
 use std::time::Instant;
 
-use super::interpolate::find_colors;
+use super::interpolate::{BlockCameras, ListedBlock, find_colors};
+use super::near_cameras::{NearCameras, list_cameras};
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
 use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
 use super::surface_points::{PixelShares, StripPixel, SurfaceDepth, SurfacePoints};
@@ -17,7 +18,7 @@ use crate::render::vantage::{FrontColor, NO_FRONT, NO_IMAGE};
 /// Tiles are prefetched for this many cameras, the best ones: most points read no more.
 const PREFETCHED_CAMERAS: usize = 3;
 
-/// Memory that gathering a block needs, kept for the next block.
+/// Memory that gathering blocks needs, kept for the next ones.
 #[derive(Debug)]
 pub(crate) struct GatherScratch {
     /// The block and its ring.
@@ -26,11 +27,14 @@ pub(crate) struct GatherScratch {
     caches: [TileCaches; 2],
     cameras: Vec<u16>,
     weights: Vec<(f32, u16)>,
+    near: NearCameras,
+    /// The blocks whose colors are to be looked up.
+    listed: BlockCameras,
     /// Pixels at steps in depth, row by row.
     edge_pixels: Vec<EdgePixel>,
     voted_points: VotedPoints,
     votes: Vec<VisibilityVotes>,
-    points: SurfacePoints,
+    points: Box<SurfacePoints>,
     /// Nanoseconds spent on silhouettes and on look-ups.
     pub(super) spent_ns: [u64; 2],
 }
@@ -43,6 +47,8 @@ impl GatherScratch {
             caches: [TileCaches::new(cameras), TileCaches::new(cameras)],
             cameras: Vec::new(),
             weights: Vec::new(),
+            near: NearCameras::new(cameras),
+            listed: BlockCameras::default(),
             edge_pixels: Vec::new(),
             voted_points: VotedPoints::default(),
             votes: Vec::new(),
@@ -61,10 +67,16 @@ impl GatherScratch {
         self.caches.iter_mut().for_each(TileCaches::forget);
     }
 
-    /// Paints some pixels of the loaded block, a mask of columns per row, into the rows of a picture. `views` are those of the
-    /// `nth` tile cache.
+    /// Begins anew: no colors are to be looked up.
+    pub(crate) fn begin(&mut self) {
+        self.points.clear();
+        self.listed.clear();
+    }
+
+    /// Decides what some pixels of the loaded block show, a mask of columns per row: all but their colors are set in the rows of a picture.
+    /// `views` are those of the `nth` tile cache. At most [`TOGETHER`](super::target::TOGETHER) blocks are listed until colors are found.
     #[inline(always)]
-    pub(crate) fn gather(
+    pub(crate) fn decide(
         &mut self,
         views: &SourceViews<'_>,
         nth: usize,
@@ -74,12 +86,16 @@ impl GatherScratch {
         let started = Instant::now();
         let (patch, frame) = (&self.patch, views.lookup.frame);
         let keys = patch.keys.as_flattened();
-        let slots = keys.iter().filter(|key| **key != 0).map(|key| slot_of(*key));
-        frame.cameras_of(slots, &mut self.cameras);
+        list_cameras(keys, frame, &mut self.cameras);
         let center = ((patch.left + BLOCK / 2) as f32, (patch.top + BLOCK / 2) as f32);
         let w = inverse_depth_of(keys[SIDE * SIDE / 2 + SIDE / 2]).max(0.0);
         let slope = patch.slope(BLOCK / 2, BLOCK / 2);
         views.rank(center, w, slope, &mut self.cameras, &mut self.weights);
+        if views.pruned && NearCameras::pay_off(&self.cameras) {
+            self.near.find(patch, frame, &self.cameras, views.coarse(center, w, &self.cameras));
+        } else {
+            self.near.set_all();
+        }
         self.prefetch(views, nth, w);
         let (columns, row_count) = rows.extent(patch.left);
         let subpixels = rows.subpixels;
@@ -93,17 +109,36 @@ impl GatherScratch {
         }
         self.list_edge_pixels(&edges[..row_count], subpixels);
         vote(views, &self.voted_points, &self.cameras, &mut self.caches[nth], &mut self.votes);
+        let first = self.points.begin_block();
         if subpixels == 1 {
             self.set_surfaces(frame, &edges, &which, rows);
         } else {
             let decided = DecidedEdges { edges, pixels: &self.edge_pixels, votes: &self.votes };
+            let decided = (decided, &self.near);
             set_surfaces_of_pairs(&self.patch, frame, decided, &which, rows, &mut self.points);
         }
-        let decided = Instant::now();
-        find_colors(views, &mut self.points, &self.cameras, &mut self.caches[nth]);
-        self.points.add_colors(rows.color, rows.fronts, |key| frame.color_of(slot_of(key)));
-        self.spent_ns[0] += (decided - started).as_nanos() as u64;
-        self.spent_ns[1] += decided.elapsed().as_nanos() as u64;
+        let listed = self.listed.cameras.len();
+        self.listed.cameras.extend_from_slice(&self.cameras);
+        let (points, cameras) = (first..self.points.end(), listed..self.listed.cameras.len());
+        self.listed.blocks.push(ListedBlock { points, cameras });
+        self.spent_ns[0] += started.elapsed().as_nanos() as u64;
+    }
+
+    /// Finds the colors of the listed blocks; each is then added to its rows.
+    #[inline(always)]
+    pub(crate) fn find_colors(&mut self, views: &SourceViews<'_>, nth: usize) {
+        let started = Instant::now();
+        find_colors(views, &mut self.points, &mut self.listed, &mut self.caches[nth]);
+        self.spent_ns[1] += started.elapsed().as_nanos() as u64;
+    }
+
+    /// Adds the colors of the `nth` listed block to the rows of the picture that it was decided for.
+    #[inline(always)]
+    pub(crate) fn add_colors(&mut self, nth: usize, frame: &FrameSamples<'_>, rows: &mut PictureRows<'_>) {
+        let started = Instant::now();
+        let block = self.listed.blocks[nth].points.clone();
+        self.points.add_colors(block, rows.color, rows.fronts, |key| frame.color_of(slot_of(key)));
+        self.spent_ns[1] += started.elapsed().as_nanos() as u64;
     }
 
     /// Prefetches the tiles that the next block will read from the cameras that count most for this one, at inverse depth `w`.
@@ -130,15 +165,23 @@ impl GatherScratch {
             if edges.iter().all(|edges| *edges == 0) {
                 continue;
             }
-            let row_has_edges = |row: usize| edges.get(row).is_some_and(|edges| *edges != 0);
-            let around = [0, 1].map(|row| row_has_edges(row).then(|| patch.edge_row(nth * subpixels + row)));
+            // Not by closures, which would be compiled for the least instruction set.
+            let mut around = [None, None];
+            for (row, (edges, around)) in edges.iter().zip(&mut around).enumerate() {
+                if *edges != 0 {
+                    *around = Some(patch.edge_row(nth * subpixels + row));
+                }
+            }
             let mut left = edges.iter().fold(0, |all, row| all | row);
             while left != 0 {
                 let first = left.trailing_zeros() as usize % BLOCK / subpixels * subpixels;
                 left &= !(((1 << subpixels) - 1) << first);
                 for (row, (edges, around)) in edges.iter().zip(&around).enumerate() {
                     let Some(around) = around else { continue };
-                    for column in (first..first + subpixels).filter(|column| edges >> column & 1 == 1) {
+                    for column in first..first + subpixels {
+                        if edges >> column & 1 == 0 {
+                            continue;
+                        }
                         let row = nth * subpixels + row;
                         let edge_pixel = patch.edge_pixel(column, row, around);
                         if let Some(key) = edge_pixel.voted_key() {
@@ -165,13 +208,13 @@ impl GatherScratch {
         let patch = &self.patch;
         let columns = BLOCK.min(rows.width - patch.left);
         let (mut edge_pixels, mut votes) = (self.edge_pixels.iter(), self.votes.iter());
-        self.points.clear();
         for row in (0..BLOCK).filter(|row| which[*row] != 0) {
             let start = row * rows.width + patch.left;
             let depths = &mut rows.inverse_depth[start..start + columns];
             let images = &mut rows.image[start..start + columns];
             let colors = &mut rows.color[start..start + columns];
-            let first = StripPixel { x: patch.left as f32, y: (patch.top + row) as f32, at: start as u32 };
+            let first =
+                StripPixel { x: patch.left as f32, y: (patch.top + row) as f32, at: start as u32, near: 0 };
             if edges[row] == 0
                 && which[row] == u16::MAX
                 && let Some(keys) = patch.keys[row + RING][RING..].first_chunk::<BLOCK>()
@@ -190,13 +233,17 @@ impl GatherScratch {
                 for column in 0..BLOCK {
                     [slopes[0][column], slopes[1][column]] = patch.slope(column, row);
                 }
-                self.points.push_row(keys, depths, &slopes, &cameras, first, 1.0);
+                self.points.push_row(keys, depths, &slopes, (&cameras, &self.near.row(row, 1)), first, 1.0);
                 continue;
             }
             for column in (0..columns).filter(|column| which[row] >> column & 1 == 1) {
                 colors[column] = [0.0; 3];
-                let pixel =
-                    StripPixel { x: (patch.left + column) as f32, at: (start + column) as u32, ..first };
+                let pixel = StripPixel {
+                    x: (patch.left + column) as f32,
+                    at: (start + column) as u32,
+                    near: self.near.mask(column, row),
+                    ..first
+                };
                 let mut push = |key, shares: PixelShares| {
                     let own = frame.camera_of(slot_of(key));
                     let slope = if shares.pixel == 1.0 { patch.slope(column, row) } else { [0.0; 2] };

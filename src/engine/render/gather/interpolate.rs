@@ -2,6 +2,9 @@
 //! vectors. Every point adds up its cameras in the same order as if it were alone, so that its color does not depend on its
 //! neighbors.
 
+use std::ops::Range;
+
+use super::near_cameras::bit_of;
 use super::surface_points::{MOST, SurfacePoints};
 use super::view_weights::{SourceView, SourceViews, TargetPoints};
 use super::visibility_votes::{ReprojectedPoints, agrees, bilinear};
@@ -50,29 +53,97 @@ impl ViewColors {
     }
 }
 
-/// Adds up the colors of surface points over the samples of `cameras`, which are sorted by weight; in a pruned set a point's own
-/// camera, which kept its sample, comes before all others. Each camera is read at once for all points that want it.
+/// A block whose surface points are listed.
+#[derive(Clone, Debug)]
+pub(super) struct ListedBlock {
+    /// Its points.
+    pub(super) points: Range<usize>,
+    /// Its cameras, sorted by weight, in the list of those of all blocks.
+    pub(super) cameras: Range<usize>,
+}
+
+/// The cameras that the points of some blocks are looked up in.
+#[derive(Debug, Default)]
+pub(super) struct BlockCameras {
+    pub(super) blocks: Vec<ListedBlock>,
+    /// The cameras of one block after the other.
+    pub(super) cameras: Vec<u16>,
+    /// Each of them once.
+    distinct: Vec<u16>,
+}
+
+impl BlockCameras {
+    /// Without blocks.
+    pub(super) fn clear(&mut self) {
+        self.blocks.clear();
+        self.cameras.clear();
+    }
+
+    /// The cameras of a block.
+    #[inline(always)]
+    fn of(&self, block: usize) -> &[u16] {
+        &self.cameras[self.blocks[block].cameras.clone()]
+    }
+
+    /// The camera of a rank in a block's list, unless a block before has the same there.
+    #[inline(always)]
+    fn first_at(&self, rank: usize, block: usize) -> Option<u16> {
+        let camera = *self.of(block).get(rank)?;
+        for before in 0..block {
+            if self.of(before).get(rank) == Some(&camera) {
+                return None;
+            }
+        }
+        Some(camera)
+    }
+}
+
+/// Adds up the colors of the surface points of some blocks over the samples of their cameras, the best for its block first; in a pruned set a
+/// point's own camera, which kept its sample, comes before all others. Each camera is read at once for all points that want it.
 #[inline(always)]
 pub(super) fn find_colors(
     views: &SourceViews<'_>,
     points: &mut SurfacePoints,
-    cameras: &[u16],
+    listed: &mut BlockCameras,
     caches: &mut TileCaches,
 ) {
     points.reset_colors();
-    let (pruned, full_coverage) = (views.pruned, views.full_coverage);
+    listed.distinct.clear();
+    if views.pruned {
+        listed.distinct.extend_from_slice(&listed.cameras);
+        listed.distinct.sort_unstable();
+        listed.distinct.dedup();
+    }
+    let (blocks, own) = (listed.blocks.len(), listed.distinct.len());
+    let most = listed.blocks.iter().map(|block| block.cameras.len()).max().unwrap_or(0);
+    let mut is_any_uncovered = true;
     // One loop for both, because all code in it is inlined.
-    let own_first = if pruned { cameras } else { &[] };
-    for (nth, &camera) in own_first.iter().chain(cameras).enumerate() {
-        let is_wanted = if nth < own_first.len() {
-            points.select_own(camera)
+    for step in 0..own + most * blocks {
+        points.selected.clear();
+        let camera = if step < own {
+            let camera = listed.distinct[step];
+            for block in &listed.blocks {
+                points.select_own(block.points.clone(), camera);
+            }
+            camera
         } else {
-            points.select_uncovered(full_coverage, pruned.then_some(camera))
+            let (rank, first) = ((step - own) / blocks, (step - own) % blocks);
+            if first == 0 && !std::mem::take(&mut is_any_uncovered) && !views.pruned {
+                break;
+            }
+            let Some(camera) = listed.first_at(rank, first) else { continue };
+            for block in first..blocks {
+                if listed.of(block).get(rank) == Some(&camera) {
+                    let (range, except) =
+                        (listed.blocks[block].points.clone(), views.pruned.then_some(camera));
+                    points.select_uncovered(range, bit_of(rank), views.full_coverage, except);
+                }
+            }
+            is_any_uncovered |= !points.selected.is_empty();
+            camera
         };
-        if is_wanted {
+        if !points.selected.is_empty() {
             add_camera(views, camera, points, caches);
-        } else if !pruned {
-            break;
         }
     }
 }
@@ -162,7 +233,9 @@ fn interpolated(
     which: u32,
     caches: &mut TileCaches,
 ) -> ViewColors {
-    let quads = caches.quads::<true>(&views.lookup, view.camera, &at.corners(), which);
+    let Some(quads) = caches.quads::<true>(&views.lookup, view.camera, &at.corners(), which) else {
+        return ViewColors::NONE;
+    };
     let (mut coverage, mut depth, mut moved) = ([0.0; LANES], [0.0; LANES], [0; LANES]);
     for i in 0..LANES {
         let limit = at.expected[i] * view.tolerance.at(at.expected[i]);

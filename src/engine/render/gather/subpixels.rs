@@ -6,6 +6,7 @@
 //! Source: supersampling of visibility apart from shading, as multisample antialiasing does (Akeley, *`RealityEngine` Graphics*,
 //! SIGGRAPH 1993). What differs: a surface is looked up once, in the middle of the sub-pixels that show it, at their mean depth.
 
+use super::near_cameras::NearCameras;
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING};
 use super::surface_points::{PixelShares, StripPixel, SurfaceDepth, SurfacePoints};
 use super::target::{BLOCK, PictureRows, set_images};
@@ -91,7 +92,7 @@ impl PixelParts {
 pub(super) fn set_surfaces_of_pairs(
     patch: &Patch,
     frame: &FrameSamples<'_>,
-    decided: DecidedEdges<'_>,
+    (decided, near): (DecidedEdges<'_>, &NearCameras),
     which: &[u16; BLOCK],
     rows: &mut PictureRows<'_>,
     points: &mut SurfacePoints,
@@ -99,17 +100,17 @@ pub(super) fn set_surfaces_of_pairs(
     let DecidedEdges { edges, pixels, votes } = decided;
     let (mut edge_pixels, mut votes) = (pixels.iter(), votes.iter());
     let columns = BLOCK.min(2 * rows.width - patch.left);
-    points.clear();
     for row in (0..BLOCK).step_by(2).filter(|row| which[*row] != 0) {
         let y = (patch.top + row) as f32;
         if edges[row] | edges[row + 1] == 0 && which[row] == u16::MAX && columns == BLOCK {
-            set_row_of_pairs(patch, frame, row, rows, points);
+            set_row_of_pairs((patch, near), frame, row, rows, points);
             continue;
         }
         for column in (0..columns).step_by(2).filter(|column| which[row] >> column & 1 == 1) {
             let at = row / 2 * rows.width + patch.left / 2 + column / 2;
             let x = (patch.left + column) as f32;
             rows.color[at] = [0.0; 3];
+            let near = near.mask(column, row);
             let mut surfaces = [PixelSurfaces::Hole; 4];
             for ((right, below), surfaces) in SUBPIXELS.into_iter().zip(&mut surfaces) {
                 let (column, row) = (column + right, row + below);
@@ -123,7 +124,7 @@ pub(super) fn set_surfaces_of_pairs(
             }
             let is_edge = (edges[row] | edges[row + 1]) & 3 << column != 0;
             if let Some((key, w)) = one_surface(&surfaces, is_edge, patch.surface_ratio) {
-                let pixel = StripPixel { x: x + 0.5, y: y + 0.5, at: at as u32 };
+                let pixel = StripPixel { x: x + 0.5, y: y + 0.5, at: at as u32, near };
                 let depth = SurfaceDepth { w, slope: patch.slope(column, row) };
                 points.push(key, depth, frame.camera_of(slot_of(key)), pixel, PixelShares::WHOLE);
                 rows.inverse_depth[at] = w;
@@ -142,7 +143,7 @@ pub(super) fn set_surfaces_of_pairs(
                 parts.add(surfaces, (x + right as f32, y + below as f32), patch.surface_ratio);
             }
             let ResolvedPixel { inverse_depth, image, front, coverage } =
-                push_parts(&parts, frame, at, slope, points);
+                push_parts(&parts, frame, (at, near), slope, points);
             rows.inverse_depth[at] = inverse_depth;
             rows.image[at] = image;
             if let Some(place) = rows.coverage.get_mut(at) {
@@ -159,7 +160,7 @@ pub(super) fn set_surfaces_of_pairs(
 /// their two rows of the z-buffer.
 #[inline(always)]
 fn set_row_of_pairs(
-    patch: &Patch,
+    (patch, near): (&Patch, &NearCameras),
     frame: &FrameSamples<'_>,
     row: usize,
     rows: &mut PictureRows<'_>,
@@ -188,7 +189,8 @@ fn set_row_of_pairs(
     for i in 0..PAIRS {
         [slopes[0][i], slopes[1][i]] = patch.slope(2 * i, row);
     }
-    points.push_row(&keys, &w, &slopes, &cameras, StripPixel { x, y, at: start as u32 }, 2.0);
+    let first = StripPixel { x, y, at: start as u32, near: 0 };
+    points.push_row(&keys, &w, &slopes, (&cameras, &near.row(row, 2)), first, 2.0);
 }
 
 /// The surface that all sub-pixels of a pixel show, by the key of the first and their mean inverse depth; `None` if there are several,
@@ -225,12 +227,12 @@ struct ResolvedPixel {
     coverage: f32,
 }
 
-/// Lists the surfaces of a pixel, around which inverse depths grow by `slope`.
+/// Lists the surfaces of a pixel, by its position in the strip and the cameras near it, around which inverse depths grow by `slope`.
 #[inline(always)]
 fn push_parts(
     parts: &PixelParts,
     frame: &FrameSamples<'_>,
-    at: usize,
+    (at, near): (usize, u32),
     slope: [f32; 2],
     points: &mut SurfacePoints,
 ) -> ResolvedPixel {
@@ -255,7 +257,7 @@ fn push_parts(
     for surface in surfaces {
         let mean = 1.0 / surface.share;
         let w = surface.w * mean;
-        let place = StripPixel { x: surface.x * mean, y: surface.y * mean, at: at as u32 };
+        let place = StripPixel { x: surface.x * mean, y: surface.y * mean, at: at as u32, near };
         let own = frame.camera_of(slot_of(surface.key));
         let is_front = has_front && !is_farthest(surface);
         let front_share = if is_front { surface.share / before } else { 0.0 };

@@ -8,6 +8,9 @@ use crate::samples::TILE;
 /// Columns and rows of the blocks of the z-buffer that share a list of cameras.
 pub(crate) const BLOCK: usize = TILE;
 
+/// Blocks whose colors are looked up together at most: points of many blocks fill vectors better than those of one.
+pub(crate) const TOGETHER: usize = 4;
+
 /// Column and row of the first pixel of a block, in the z-buffer.
 #[derive(Clone, Copy)]
 pub(crate) struct BlockOrigin {

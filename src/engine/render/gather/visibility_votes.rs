@@ -117,6 +117,12 @@ fn add_votes<const PARALLEL: bool>(
     }
     let quads = caches.quads::<false>(&views.lookup, view.camera, &at.corners(), which);
     let weights = views.weights(view, &at.distance_ratio, points);
+    let Some(quads) = quads else {
+        for i in 0..LANES {
+            max_weight[i] = max_weight[i].max(if which >> i & 1 == 1 { weights[i] } else { 0.0 });
+        }
+        return;
+    };
     for i in 0..LANES {
         let expected = at.expected[i];
         let limit = expected * view.tolerance.at(expected);

@@ -282,27 +282,6 @@ impl<'a> FrameSamples<'a> {
         self.colors[image as usize]
     }
 
-    /// The cameras that recorded the samples at some slots, ascending.
-    #[inline(always)]
-    pub(crate) fn cameras_of(&self, slots: impl Iterator<Item = u32>, cameras: &mut Vec<u16>) {
-        cameras.clear();
-        // Most neighbors are of the same tile.
-        let mut tile = u32::MAX;
-        let firsts = slots.filter(|slot| std::mem::replace(&mut tile, slot >> 8) != slot >> 8);
-        let seen_by = firsts.map(|slot| self.camera_of(slot));
-        if self.set.cameras.len() > 64 {
-            cameras.extend(seen_by);
-            cameras.sort_unstable();
-            cameras.dedup();
-            return;
-        }
-        let mut seen = seen_by.fold(0_u64, |seen, camera| seen | 1 << (camera % 64));
-        while seen != 0 {
-            cameras.push(seen.trailing_zeros() as u16);
-            seen &= seen - 1;
-        }
-    }
-
     /// The number of samples in tiles to be painted.
     pub(crate) fn sample_count(&self, tiles: Range<usize>) -> u64 {
         self.tiles(tiles).iter().map(|tile| tile.color.len() as u64).sum()

@@ -92,7 +92,7 @@ impl TileCaches {
     }
 
     /// The samples of a camera at columns `x`, `x + 1` and rows `y`, `y + 1` for the points of a mask, whose corners `(x, y)` are −1
-    /// or more; those of other points are undefined. Colors only if `COLORS`.
+    /// or more; those of other points are undefined. Colors only if `COLORS`. `None` where the camera kept none of them.
     #[inline(always)]
     pub(crate) fn quads<const COLORS: bool>(
         &mut self,
@@ -100,14 +100,20 @@ impl TileCaches {
         camera: usize,
         corners: &[[i32; LANES]; 2],
         which: u32,
-    ) -> Quads {
+    ) -> Option<Quads> {
         let Self { cameras, packed } = self;
         let cache = cameras[camera].get_or_insert_with(TileCache::new);
         let (near, corner, touched) = within(corners, which);
+        let mut is_vacant = true;
         for row in touched[2]..=touched[3] {
             for column in touched[0]..=touched[1] {
-                cache.unpack::<COLORS>(lookup, camera, (corner.0 + column, corner.1 + row), packed);
+                let (column, row) = (corner.0 + column, corner.1 + row);
+                cache.unpack::<COLORS>(lookup, camera, (column, row), packed);
+                is_vacant &= cache.vacant[slot(column, row)];
             }
+        }
+        if is_vacant && which & !near == 0 {
+            return None;
         }
         let mut quads = cache.read::<COLORS>(corners);
         // Points too far from the first for the cache to hold both are looked up one by one: unpacking tiles for them would replace
@@ -124,7 +130,7 @@ impl TileCaches {
                 quads.color[corner][i] = color;
             }
         }
-        quads
+        Some(quads)
     }
 }
 
@@ -216,8 +222,11 @@ impl TileCache {
         if self.cells[slot] != cell {
             (self.cells[slot], is_new) = (cell, true);
             at = lookup.first_at(camera, column, row);
-            let first = at.filter(|number| lookup.tile(*number, &mut None).color.len() == TILE_SAMPLES);
-            if first.is_none() && !self.vacant[slot] {
+            let is_full = match at {
+                Some(number) => lookup.tile(number, &mut None).color.len() == TILE_SAMPLES,
+                None => false,
+            };
+            if !is_full && !self.vacant[slot] {
                 self.empty(corner);
             }
             self.vacant[slot] = at.is_none();
@@ -367,10 +376,11 @@ mod tests {
         let lookup = Lookup { table, frame: &frame };
         let corners: [[i32; LANES]; 2] = [(53, 161), (37, 121)]
             .map(|(step, count)| std::array::from_fn(|i| (i as i32 * step) % count - 1));
-        let together = TileCaches::new(2).quads::<true>(&lookup, 0, &corners, 0xffff);
+        let together = TileCaches::new(2).quads::<true>(&lookup, 0, &corners, 0xffff).unwrap();
         let mut found = 0;
         for i in 0..LANES {
             let alone = TileCaches::new(2).quads::<true>(&lookup, 0, &corners, 1 << i);
+            let Some(alone) = alone else { continue };
             for corner in 0..4 {
                 let depth = alone.depth[corner][i];
                 assert_eq!(together.depth[corner][i], depth, "point {i}, corner {corner}");

@@ -4,6 +4,7 @@
 //! the background's own; elsewhere both are resolved together. Which pixels those are depends on the frame and the vantage
 //! alone, so that painting over a cached background gives the very picture that painting everything anew gives.
 
+mod gathered;
 mod layers;
 mod per_pixel;
 mod strip;
@@ -12,23 +13,28 @@ pub(crate) use layers::{BlockSet, PaintedLayer, ResolveInput};
 
 use rayon::prelude::*;
 
-use super::gather::{BLOCK, GatherScratch, PictureRows};
+use super::gather::{BLOCK, GatherScratch, PictureRows, TOGETHER};
 use super::vantage::{FrontColor, Picture};
 use crate::error::Result;
 use crate::settings::Kernel;
 use crate::simd::{self, VectorLoop};
+use gathered::gather_blocks;
 use per_pixel::{ForegroundPixel, paint_over, show_nearest};
 use strip::Strip;
 
-/// Rows of blocks that are gathered together, a column of them at a time.
-const TALL: usize = 2;
+/// Rows of blocks that one thread gathers at most, a column of them at a time.
+const TALLEST: usize = 4;
+
+/// Every thread has so many parts of the picture at least, so that none waits long for another.
+const PARTS_A_THREAD: usize = 4;
 
 /// Resolves the blocks of `which` into `picture`; others are left as they are.
 pub(crate) fn resolve(input: &ResolveInput<'_>, which: &BlockSet, picture: &mut Picture) -> Result<()> {
     let width = input.stage.width;
     // Neighboring blocks read the same tiles of the cameras, those below as well as those beside.
-    let is_tall = input.views.is_some() && input.height() >= TALL * BLOCK * 4 * rayon::current_num_threads();
-    let tall = if is_tall { TALL } else { 1 };
+    let parts = PARTS_A_THREAD * rayon::current_num_threads();
+    let tallest = (input.height() / (BLOCK * parts)).clamp(1, TALLEST);
+    let tall = if input.views.is_some() { 1 << tallest.ilog2() } else { 1 };
     let (width, rows) = (width / input.subpixels, BLOCK / input.subpixels);
     let strip = tall * rows * width;
     // As many chunks as of the other planes, if these are empty.
@@ -90,27 +96,29 @@ impl VectorLoop for StripGroup<'_> {
             }
             return;
         }
+        let columns = input.stage.width.div_ceil(BLOCK);
+        if input.views.is_some() {
+            let wide = TOGETHER / self.strips.len();
+            for first in (0..columns).step_by(wide) {
+                let columns = first..(first + wide).min(columns);
+                gather_blocks(&mut self.strips, columns, self.which, self.scratch);
+            }
+            return;
+        }
         let mut shown = Vec::new();
-        for column in 0..input.stage.width.div_ceil(BLOCK) {
+        for column in 0..columns {
             for strip in self.strips.iter_mut().filter(|strip| self.which.contains(column, strip.row)) {
-                resolve_block(strip, column, self.scratch, &mut shown);
+                resolve_block(strip, column, &mut shown);
             }
         }
     }
 }
 
-/// Resolves the block in a column of blocks.
+/// Resolves the block in a column of blocks, without looking colors up in cameras.
 #[inline(always)]
-fn resolve_block(
-    strip: &mut Strip<'_>,
-    column: usize,
-    scratch: &mut GatherScratch,
-    shown: &mut Vec<ForegroundPixel>,
-) {
+fn resolve_block(strip: &mut Strip<'_>, column: usize, shown: &mut Vec<ForegroundPixel>) {
     let (input, block) = (strip.input, strip.block(column));
-    if input.views.is_some() {
-        strip.gather(block, scratch);
-    } else if let (Some(foreground), Some(background)) = (input.foreground, input.background_picture) {
+    if let (Some(foreground), Some(background)) = (input.foreground, input.background_picture) {
         strip.copy(block, background);
         paint_over(strip, block, foreground, shown);
     } else {

@@ -1,7 +1,7 @@
 //! A row of blocks that is resolved, and the ways to resolve one of its blocks as a whole.
 
 use super::layers::ResolveInput;
-use crate::render::gather::{BLOCK, BlockOrigin, GatherScratch, PictureRows};
+use crate::render::gather::{BLOCK, BlockOrigin, PictureRows};
 use crate::render::vantage::Picture;
 
 /// A row of blocks.
@@ -17,29 +17,6 @@ impl Strip<'_> {
     #[inline(always)]
     pub(super) fn block(&self, column: usize) -> BlockOrigin {
         BlockOrigin { left: column * BLOCK, top: self.row * BLOCK }
-    }
-
-    /// Gathers one block. Pixels near a visible foreground are gathered among all samples, others among those of the background
-    /// alone, which is what the background's picture shows there.
-    #[inline(always)]
-    pub(super) fn gather(&mut self, block: BlockOrigin, scratch: &mut GatherScratch) {
-        let input = self.input;
-        let Some(views) = input.views else { return };
-        let near = input.foreground.map_or([0; BLOCK], |layer| input.near_foreground(block, layer));
-        // One loop for both, because all code in it is inlined.
-        for (nth, views) in views.into_iter().enumerate() {
-            let among_all = nth == 1;
-            let which = if among_all { near } else { near.map(|near| !near) };
-            if which == [0; BLOCK] {
-                continue;
-            }
-            if !among_all && let Some(background) = input.background_picture {
-                self.copy(block, background);
-                continue;
-            }
-            input.load(block, input.foreground.filter(|_| among_all), &mut scratch.patch);
-            scratch.gather(views, nth, &which, &mut self.rows);
-        }
     }
 
     /// Copies one block from a picture.
