@@ -138,6 +138,11 @@ impl Environment {
     pub(crate) fn color(&self, direction: Vec3) -> [f32; 3] {
         interpolated(&self.cells, FINEST, direction)
     }
+
+    /// Reads colors of directions that lie close to each other.
+    pub(super) fn reader(&self) -> SkyReader<'_> {
+        SkyReader::new(&self.cells, FINEST)
+    }
 }
 
 /// Linear Rec.709 at infinity in some directions of length 1 at a frame of a set; `None` where none of its samples counts.
@@ -224,6 +229,7 @@ pub fn background_holes(picture: &Picture, set: &SampleSet, vantage: &Vantage) -
 }
 
 /// World-space directions of a camera's pixels.
+#[derive(Debug, Default)]
 pub(crate) struct PixelDirections([Vec3; 3]);
 
 impl PixelDirections {
@@ -351,30 +357,57 @@ fn touches_sphere(index: [usize; 3], side: usize, distance: f32) -> bool {
     nearest <= 1.0 + distance && 1.0 - distance <= farthest
 }
 
-/// The color in a direction of length 1, in the grid of a level: trilinear, among the cells that touch the sphere.
-#[inline]
+/// The color in a direction of length 1, in the grid of a level.
 fn interpolated(cells: &[CellColor], level: usize, direction: Vec3) -> [f32; 3] {
-    let grid = &GRIDS[level];
-    let at = (direction + Vec3::ONE) * (0.5 * grid.side as f32) - Vec3::splat(0.5);
-    let first = at.floor();
-    let share = at - first;
-    let last = grid.side as i32 - 1;
-    let ends = |axis: usize| {
-        let index = first[axis] as i32;
-        let at = [index, index + 1].map(|index| index.clamp(0, last) as usize);
-        (at, [1.0 - share[axis], share[axis]])
-    };
-    let ((x, a), (y, b), (z, c)) = (ends(0), ends(1), ends(2));
-    let mut sum = [0.0; 4];
-    for corner in 0..8 {
-        let (right, below, behind) = (corner & 1, corner >> 1 & 1, corner >> 2);
-        let cell = &cells[grid.number([x[right], y[below], z[behind]])];
-        let weight = a[right] * b[below] * c[behind];
-        for channel in 0..4 {
-            sum[channel] += weight * cell[channel];
+    SkyReader::new(cells, level).color(direction)
+}
+
+/// Reads the colors of one direction after the other. Where they lie between the same cells as the last, these are not looked up again.
+pub(super) struct SkyReader<'a> {
+    cells: &'a [CellColor],
+    grid: &'static SphereGrid,
+    /// Column, row and layer of the first of the cells that the last direction was between.
+    first: Vec3,
+    /// Their colors.
+    corners: [CellColor; 8],
+}
+
+impl<'a> SkyReader<'a> {
+    fn new(cells: &'a [CellColor], level: usize) -> Self {
+        Self { cells, grid: &GRIDS[level], first: Vec3::NAN, corners: [[0.0; 4]; 8] }
+    }
+
+    /// The color in a direction of length 1: trilinear, among the cells that touch the sphere.
+    #[inline]
+    pub(super) fn color(&mut self, direction: Vec3) -> [f32; 3] {
+        let at = (direction + Vec3::ONE) * (0.5 * self.grid.side as f32) - Vec3::splat(0.5);
+        let first = at.floor();
+        if first != self.first {
+            self.look_up(first);
+        }
+        let share = at - first;
+        let [a, b, c] = [share.x, share.y, share.z].map(|share| [1.0 - share, share]);
+        let mut sum = [0.0; 4];
+        for (corner, cell) in self.corners.iter().enumerate() {
+            let weight = a[corner & 1] * b[corner >> 1 & 1] * c[corner >> 2];
+            for channel in 0..4 {
+                sum[channel] += weight * cell[channel];
+            }
+        }
+        [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
+    }
+
+    /// Reads the cells from one on.
+    fn look_up(&mut self, first: Vec3) {
+        self.first = first;
+        let last = self.grid.side as i32 - 1;
+        let ends =
+            first.to_array().map(|index| [index, index + 1.0].map(|at| (at as i32).clamp(0, last) as usize));
+        for (corner, cell) in self.corners.iter_mut().enumerate() {
+            let at = [ends[0][corner & 1], ends[1][corner >> 1 & 1], ends[2][corner >> 2]];
+            *cell = self.cells[self.grid.number(at)];
         }
     }
-    [sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]]
 }
 
 #[cfg(test)]

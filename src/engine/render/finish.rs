@@ -3,7 +3,7 @@
 use std::sync::{Arc, Weak};
 
 use super::environment::{Environment, SkySums};
-use super::fill::{TestedHoles, fill_tested};
+use super::fill::{FillPlanes, TestedHoles, fill_tested};
 use super::free_space::{MarkPlanes, RayTest, SeenDepths, cameras_to_ask, mark_holes};
 use super::input::focal;
 use super::input::{FrameImages, FrameSamples};
@@ -24,6 +24,7 @@ pub(super) struct Finisher {
     /// The last one first.
     frames: Vec<SeenFrame>,
     planes: MarkPlanes,
+    fill_planes: FillPlanes,
 }
 
 /// What cameras saw according to some images of samples.
@@ -75,6 +76,7 @@ impl Finisher {
     ) -> Result<()> {
         let camera = &vantage.camera;
         let mut planes = std::mem::take(&mut self.planes);
+        let mut fill_planes = std::mem::take(&mut self.fill_planes);
         let images = tests_free_space(settings).then(|| FrameImages::at(samples, vantage.frame));
         let images = images.filter(|images| has_sky(samples, images.all()));
         let seen = images.map(|images| self.see(samples, vantage, images)).transpose()?;
@@ -92,9 +94,9 @@ impl Finisher {
             hidden_share: &planes.hidden_share,
             test: test.as_ref(),
         };
-        fill_tested(picture, camera, settings, tested);
+        fill_tested(picture, camera, settings, tested, &mut fill_planes);
         clock.end(Stage::Fill);
-        self.planes = planes;
+        (self.planes, self.fill_planes) = (planes, fill_planes);
         Ok(())
     }
 

@@ -35,8 +35,12 @@ pub(super) struct Filling {
 type Sums = [f32; 6];
 
 /// Sums along the rows of a picture.
+#[derive(Debug, Default)]
 pub(super) struct FillingsAround {
+    /// Only those of rows with fillings are of this picture.
     sums: Vec<Sums>,
+    /// Whether each row has fillings.
+    has_fillings: Vec<bool>,
     width: usize,
     reach_px: usize,
 }
@@ -48,18 +52,24 @@ fn reach_px(width: usize) -> usize {
 
 impl FillingsAround {
     /// Sums the fillings of each row of a picture of `width`, their columns ascending.
-    pub(super) fn new(rows: &[Vec<Filling>], width: usize) -> Self {
+    pub(super) fn set(&mut self, rows: &[Vec<Filling>], width: usize) {
         let reach_px = reach_px(width);
-        let mut sums = vec![[0.0; 6]; rows.len() * width];
-        sums.par_chunks_mut(width).zip(rows).for_each(|(sums, row)| sum_row(row, reach_px, sums));
-        Self { sums, width, reach_px }
+        self.sums.resize(rows.len() * width, [0.0; 6]);
+        let filled = self.sums.par_chunks_mut(width).zip(rows).filter(|(_, row)| !row.is_empty());
+        filled.for_each(|(sums, row)| {
+            sums.fill([0.0; 6]);
+            sum_row(row, reach_px, sums);
+        });
+        self.has_fillings.clear();
+        self.has_fillings.extend(rows.iter().map(|row| !row.is_empty()));
+        (self.width, self.reach_px) = (width, reach_px);
     }
 
     /// Mean color of the surfaces and mean share of the sky around a pixel of a hole that is filled from a surface.
     pub(super) fn mean(&self, (x, y): (usize, usize)) -> ([f32; 3], f32) {
-        let last = (y + self.reach_px).min(self.sums.len() / self.width - 1);
+        let last = (y + self.reach_px).min(self.has_fillings.len() - 1);
         let mut all: Sums = [0.0; 6];
-        for row in y.saturating_sub(self.reach_px)..=last {
+        for row in (y.saturating_sub(self.reach_px)..=last).filter(|row| self.has_fillings[*row]) {
             let part = &self.sums[row * self.width + x];
             (0..all.len()).for_each(|nth| all[nth] += part[nth]);
         }
@@ -98,13 +108,21 @@ mod tests {
         Filling { x, surface: Some(surface), sky_share }
     }
 
+    /// Of the fillings of some rows, in the memory of others.
+    fn around_of(rows: &[Vec<Filling>], width: usize) -> FillingsAround {
+        let mut around = FillingsAround::default();
+        around.set(&vec![vec![filling(0, 7.0, 0.5), filling(3, 9.0, 1.0)]; 50], 4);
+        around.set(rows, width);
+        around
+    }
+
     #[test]
     fn a_mean_counts_fillings_alone_and_only_as_far_as_it_reaches() {
         // Two pixels to each side.
         let width = 256;
         let row = vec![filling(4, 1.0, 0.0), filling(6, 3.0, 0.5), filling(7, 100.0, 1.0)];
         let below = vec![filling(4, 5.0, 1.0)];
-        let around = FillingsAround::new(&[row, below, Vec::new()], width);
+        let around = around_of(&[row, below, Vec::new()], width);
         assert_eq!(around.reach_px, 2);
         // 1 and 3 in the row, and 5 below.
         assert_eq!(around.mean((4, 0)), ([3.0; 3], 0.5));
@@ -114,14 +132,14 @@ mod tests {
     #[test]
     fn where_the_sky_is_known_its_share_counts_and_its_color_does_not() {
         let sky = Filling { x: 1, surface: None, sky_share: 1.0 };
-        let around = FillingsAround::new(&[vec![filling(0, 0.25, 0.0), sky]], 2);
+        let around = around_of(&[vec![filling(0, 0.25, 0.0), sky]], 2);
         assert_eq!(around.mean((0, 0)), ([0.25; 3], 0.5));
     }
 
     #[test]
     fn fillings_that_agree_stay_as_they_are() {
         let row = |_| (0..300).map(|x| filling(x, 0.125, 0.25)).collect();
-        let around = FillingsAround::new(&(0..40).map(row).collect::<Vec<_>>(), 300);
+        let around = around_of(&(0..40).map(row).collect::<Vec<_>>(), 300);
         for pixel in [(0, 0), (299, 39), (150, 20)] {
             assert_eq!(around.mean(pixel), ([0.125; 3], 0.25));
         }

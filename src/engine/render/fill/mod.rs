@@ -56,7 +56,7 @@ const MOST_FACING: usize = 1;
 /// Fills the holes of `picture` as the settings demand. Sets color and inverse depth, which is then 0 or more; [`Picture::image`]
 /// stays [`NO_IMAGE`]. A picture without any sample is left as it is.
 pub fn fill(picture: &mut Picture, target: &Camera, settings: &RenderSettings) {
-    fill_tested(picture, target, settings, TestedHoles::default());
+    fill_tested(picture, target, settings, TestedHoles::default(), &mut FillPlanes::default());
 }
 
 /// What is known of holes whose lines of sight were tested; nothing by default.
@@ -72,12 +72,28 @@ pub(super) struct TestedHoles<'a> {
     pub(super) test: Option<&'a RayTest<'a>>,
 }
 
+/// Of larger pictures the memory of [`FillPlanes`] is given back, pixels: they take 90 bytes a pixel.
+const MOST_KEPT_PIXELS: usize = 1 << 20;
+
+/// What filling works on, kept from picture to picture.
+#[derive(Debug, Default)]
+pub(super) struct FillPlanes {
+    /// For each pixel whether it is an open hole that shows the sky rather than a surface; empty without open holes.
+    is_open: Vec<bool>,
+    /// All that holes may be filled from, and surfaces alone.
+    sources: [FillSources; 2],
+    /// What fills the holes of each row.
+    filled: Vec<Vec<Filling>>,
+    around: FillingsAround,
+}
+
 /// As [`fill`], but with the sky where holes show it. Where they hide a surface, colors that may be blended with the sky are not used.
 pub(super) fn fill_tested(
     picture: &mut Picture,
     target: &Camera,
     settings: &RenderSettings,
     tested: TestedHoles<'_>,
+    planes: &mut FillPlanes,
 ) {
     if settings.fill == Fill::None {
         return;
@@ -94,19 +110,32 @@ pub(super) fn fill_tested(
         return;
     }
     let partial = PartialPixels::take(picture);
-    fill_holes(picture, target, settings, tested);
+    fill_holes(picture, target, settings, tested, planes);
     partial.put_over(picture);
+    if picture.image.len() > MOST_KEPT_PIXELS {
+        *planes = FillPlanes::default();
+    }
 }
 
 /// Fills all holes as [`fill_tested`] does, as if none were shown in part.
-fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings, tested: TestedHoles<'_>) {
+fn fill_holes(
+    picture: &mut Picture,
+    target: &Camera,
+    settings: &RenderSettings,
+    tested: TestedHoles<'_>,
+    planes: &mut FillPlanes,
+) {
+    let FillPlanes { is_open, sources: [of_all, of_surfaces], filled, around } = planes;
     let TestedHoles { environment, blended, hidden_share, .. } = tested;
     let size = picture.image.size();
     let width = size.0;
     if let Some(environment) = environment {
         fill_sky(picture, target, environment, |_, depth| depth == SKY_HOLE);
     }
-    let sky = environment.map(|environment| HoleSky::new(picture, target, environment, hidden_share));
+    let sky = environment.map(|environment| {
+        of_all.find_open_holes(picture, is_open);
+        HoleSky { environment, directions: PixelDirections::new(target), hidden_share, is_open }
+    });
     let depths = picture.inverse_depth.as_slice();
     let is_unfilled = |depth: &f32| *depth < 0.0;
     // Where a surface is hidden, the hole is not filled from the sky.
@@ -115,10 +144,10 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
     let any_depth = |holds: &(dyn Fn(&f32) -> bool + Sync)| depths.par_iter().with_min_len(4096).any(holds);
     let all = any_depth(&|depth| is_unfilled(depth) && !hides_surface(depth));
     let viewpoint = tested.test.map(|_| target);
-    let all = all.then(|| FillSources::new(picture, tolerance, |depth| depth >= 0.0, &[], viewpoint));
+    let all = all.then(|| of_all.set(picture, tolerance, |depth| depth >= 0.0, &[], viewpoint));
     let surfaces = any_depth(&hides_surface);
     let surfaces =
-        surfaces.then(|| FillSources::new(picture, tolerance, |depth| depth > 0.0, blended, viewpoint));
+        surfaces.then(|| of_surfaces.set(picture, tolerance, |depth| depth > 0.0, blended, viewpoint));
     let images = picture.image.as_slice();
     let is_sky = |pixel: usize| depths[pixel] == 0.0 && images[pixel] == NO_IMAGE;
     let fill_row = |(y, row): (usize, &[f32])| -> Vec<Filling> {
@@ -126,7 +155,7 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
             if row[x] == 0.0 {
                 return Some(Filling { x, surface: None, sky_share: 1.0 });
             }
-            let sources = if hides_surface(&row[x]) { surfaces.as_ref() } else { all.as_ref() }?;
+            let sources = if hides_surface(&row[x]) { surfaces } else { all }?;
             let limit = hidden_surface_limit(row[x]);
             let seen = sources.rays.neighbors((x, y));
             let votes = sources.votes(depths, (x, y), &seen, tested.test);
@@ -139,20 +168,22 @@ fn fill_holes(picture: &mut Picture, target: &Camera, settings: &RenderSettings,
         let is_filled = |x: &usize| is_unfilled(&row[*x]) || is_sky(y * width + x);
         (0..width).filter(is_filled).filter_map(fill_pixel).collect()
     };
-    let filled: Vec<_> = depths.par_chunks(width).enumerate().map(fill_row).collect();
-    let around = FillingsAround::new(&filled, width);
+    depths.par_chunks(width).enumerate().map(fill_row).collect_into_vec(filled);
+    around.set(filled, width);
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
     let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
     rows.zip(filled).enumerate().for_each(|(y, ((colors, inverse_depths), filled))| {
-        for Filling { x, surface, .. } in filled {
+        let mut reader = sky.as_ref().map(|sky| (sky, sky.environment.reader()));
+        for &mut Filling { x, surface, .. } in filled {
             let Some(surface) = surface else { continue };
             let (mean, sky_share) = around.mean((x, y));
             // Beside what is shown the choice is sure.
             let is_sure = pixels_around(y * width + x, size).any(|there| images[there] != NO_IMAGE);
             let color = if is_sure { surface.color } else { mean };
             (colors[x], inverse_depths[x]) = (color, surface.inverse_depth);
-            if let Some(sky) = sky.as_ref().filter(|_| sky_share > 0.0) {
-                colors[x] = sky.over(color, (x, y), sky_share);
+            if let Some((sky, reader)) = reader.as_mut().filter(|_| sky_share > 0.0) {
+                let beyond = reader.color(sky.directions.at((x, y)));
+                colors[x] = [0, 1, 2].map(|nth| color[nth] + sky_share * (beyond[nth] - color[nth]));
                 inverse_depths[x] = if sky_share < 0.5 { surface.inverse_depth } else { 0.0 };
             }
         }
@@ -165,30 +196,11 @@ struct HoleSky<'a> {
     directions: PixelDirections,
     /// As in [`TestedHoles`].
     hidden_share: &'a [f32],
-    /// Whether each pixel is an open hole that shows the sky rather than a surface; empty without open holes.
-    is_open: Vec<bool>,
+    /// As in [`FillPlanes`].
+    is_open: &'a [bool],
 }
 
-impl<'a> HoleSky<'a> {
-    fn new(
-        picture: &Picture,
-        target: &Camera,
-        environment: &'a Environment,
-        hidden_share: &'a [f32],
-    ) -> Self {
-        let (width, depths) = (picture.image.width(), picture.inverse_depth.as_slice());
-        let mut is_open = Vec::new();
-        if depths.contains(&OPEN_HOLE) {
-            let stops = sources_where(picture, |depth| depth != OPEN_HOLE);
-            let rays = HoleRays::cast(&stops, picture.image.size());
-            let opens = |pixel: usize| {
-                depths[pixel] == OPEN_HOLE && is_open_to_sky(&rays, depths, (pixel % width, pixel / width))
-            };
-            is_open = (0..depths.len()).into_par_iter().with_min_len(4096).map(opens).collect();
-        }
-        Self { environment, directions: PixelDirections::new(target), hidden_share, is_open }
-    }
-
+impl HoleSky<'_> {
     /// The share of the sky in a pixel of a hole, whose inverse depth is `hole`.
     fn share(&self, pixel: usize, hole: f32) -> f32 {
         let place = match hole {
@@ -199,33 +211,50 @@ impl<'a> HoleSky<'a> {
         };
         sky_share(place, self.hidden_share[pixel])
     }
-
-    /// A share of the sky over a color, at a column and row.
-    fn over(&self, color: [f32; 3], at: (usize, usize), share: f32) -> [f32; 3] {
-        let sky = self.environment.color(self.directions.at(at));
-        [0, 1, 2].map(|channel| color[channel] + share * (sky[channel] - color[channel]))
-    }
 }
 
 /// The pixels that holes are filled from.
+#[derive(Debug, Default)]
 struct FillSources {
+    /// As [`find_sources`] gives them.
+    sources: Vec<u32>,
     pyramid: Pyramid,
     rays: HoleRays,
-    /// Where there is a sky, seen in perspective.
-    round: Option<RoundThings>,
+    /// Only where there is a sky, seen in perspective.
+    round: RoundThings,
 }
 
 impl FillSources {
-    /// The pixels of a picture whose inverse depth `counts`, without some, if any others are left. Round things go on as seen from a
+    /// Finds which open holes of a picture show the sky rather than a surface. Takes the memory of sources and rays, which are to be set after
+    /// it.
+    fn find_open_holes(&mut self, picture: &Picture, is_open: &mut Vec<bool>) {
+        is_open.clear();
+        let (width, depths) = (picture.image.width(), picture.inverse_depth.as_slice());
+        if !depths.contains(&OPEN_HOLE) {
+            return;
+        }
+        let Self { sources: stops, rays, .. } = self;
+        find_sources(picture, |depth| depth != OPEN_HOLE, stops);
+        rays.cast(stops, picture.image.size());
+        let rays = &*rays;
+        let opens = |pixel: usize| {
+            depths[pixel] == OPEN_HOLE && is_open_to_sky(rays, depths, (pixel % width, pixel / width))
+        };
+        (0..depths.len()).into_par_iter().with_min_len(4096).map(opens).collect_into_vec(is_open);
+    }
+
+    /// Sets the pixels of a picture whose inverse depth `counts`, without some, if any others are left. Round things go on as seen from a
     /// `viewpoint`, if one is given.
-    fn new(
+    fn set(
+        &mut self,
         picture: &Picture,
         tolerance: SurfaceTolerance,
         counts: impl Fn(f32) -> bool + Sync,
         without: &[usize],
         viewpoint: Option<&Camera>,
-    ) -> Self {
-        let mut sources = sources_where(picture, counts);
+    ) -> &Self {
+        let Self { sources, pyramid, rays, round } = self;
+        find_sources(picture, counts, sources);
         let left_out: Vec<usize> =
             without.iter().copied().filter(|pixel| sources[*pixel] != NO_IMAGE).collect();
         if sources.iter().filter(|source| **source != NO_IMAGE).count() > left_out.len() {
@@ -233,14 +262,16 @@ impl FillSources {
                 sources[pixel] = NO_IMAGE;
             }
         }
-        let (pyramid, rays) = rayon::join(
-            || Pyramid::pull(picture, &sources, tolerance),
-            || HoleRays::cast(&sources, picture.image.size()),
+        let sources = &*sources;
+        rayon::join(
+            || pyramid.pull(picture, sources, tolerance),
+            || rays.cast(sources, picture.image.size()),
         );
-        let depths = picture.inverse_depth.as_slice();
-        let viewpoint = viewpoint.filter(|target| !target.intrinsics.is_orthographic());
-        let round = viewpoint.map(|target| RoundThings::new(depths, &sources, target, tolerance));
-        Self { pyramid, rays, round }
+        match viewpoint.filter(|target| !target.intrinsics.is_orthographic()) {
+            Some(target) => round.find(picture.inverse_depth.as_slice(), sources, target, tolerance),
+            None => round.clear(),
+        }
+        self
     }
 
     /// What round things say of a pixel of a hole that sees `seen`; nothing where there are none.
@@ -251,18 +282,23 @@ impl FillSources {
         seen: &HoleNeighbors,
         test: Option<&RayTest<'_>>,
     ) -> RoundVotes {
-        let Some(round) = &self.round else { return RoundVotes::default() };
         let at = (x as f32, y as f32);
         let is_seen_through =
             |[near, far]: [f32; 2]| test.is_some_and(|test| test.sees_through(at, near, far));
-        round.votes(depths, (x, y), seen, is_seen_through)
+        self.round.votes(depths, (x, y), seen, is_seen_through)
     }
 }
 
-/// [`NO_IMAGE`] for each pixel of a picture unless its inverse depth `counts`.
-fn sources_where(picture: &Picture, counts: impl Fn(f32) -> bool + Sync) -> Vec<u32> {
-    let depths = picture.inverse_depth.as_slice().par_iter().with_min_len(4096);
-    depths.map(|depth| if counts(*depth) { 0 } else { NO_IMAGE }).collect()
+/// Sets [`NO_IMAGE`] for each pixel of a picture unless its inverse depth `counts`.
+fn find_sources(picture: &Picture, counts: impl Fn(f32) -> bool + Sync, sources: &mut Vec<u32>) {
+    let depths = picture.inverse_depth.as_slice();
+    sources.resize(depths.len(), 0);
+    let parts = sources.par_chunks_mut(4096).zip(depths.par_chunks(4096));
+    parts.for_each(|(sources, depths)| {
+        for (source, depth) in sources.iter_mut().zip(depths) {
+            *source = if counts(*depth) { 0 } else { NO_IMAGE };
+        }
+    });
 }
 
 /// Whether a pixel sees the sky across its hole, and has surfaces on both sides in at most one direction: a surface continues only
@@ -290,9 +326,10 @@ fn fill_sky(
     let rows = picture.color.as_mut_slice().par_chunks_mut(width);
     let rows = rows.zip(picture.inverse_depth.as_mut_slice().par_chunks_mut(width));
     rows.enumerate().for_each(|(y, (colors, depths))| {
+        let mut sky = environment.reader();
         for (x, (color, depth)) in colors.iter_mut().zip(depths).enumerate() {
             if *depth < 0.0 && shows_sky(y * width + x, *depth) {
-                (*color, *depth) = (environment.color(directions.at((x, y))), 0.0);
+                (*color, *depth) = (sky.color(directions.at((x, y))), 0.0);
             }
         }
     });
@@ -383,7 +420,9 @@ mod tests {
         let (depths, size) = depths(rows);
         let stops: Vec<u32> =
             depths.iter().map(|depth| if *depth == OPEN_HOLE { NO_IMAGE } else { 0 }).collect();
-        is_open_to_sky(&HoleRays::cast(&stops, size), &depths, pixel)
+        let mut rays = HoleRays::default();
+        rays.cast(&stops, size);
+        is_open_to_sky(&rays, &depths, pixel)
     }
 
     #[test]

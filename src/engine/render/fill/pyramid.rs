@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::surface::{HoleSurface, SurfaceTolerance, WeightedMean};
 use crate::render::vantage::{NO_IMAGE, Picture};
 
+#[derive(Debug, Default)]
 struct PyramidLevel {
     width: usize,
     height: usize,
@@ -21,7 +22,8 @@ struct PyramidLevel {
     first_painted: Vec<u8>,
 }
 
-/// All levels above the picture itself, finest first.
+/// All levels above the picture itself, finest first; none before they are pulled.
+#[derive(Debug, Default)]
 pub(super) struct Pyramid {
     levels: Vec<PyramidLevel>,
 }
@@ -39,29 +41,28 @@ const MAX_OPEN_SHARE: f32 = 1.0 / 64.0;
 impl Pyramid {
     /// Builds the levels from the pixels of a picture whose `sources` are not [`NO_IMAGE`]: every cell is the mean of the farthest
     /// surface in its block.
-    pub(super) fn pull(picture: &Picture, sources: &[u32], tolerance: SurfaceTolerance) -> Self {
+    pub(super) fn pull(&mut self, picture: &Picture, sources: &[u32], tolerance: SurfaceTolerance) {
         let (width, height) = picture.image.size();
+        let (colors, depths) = (picture.color.as_slice(), picture.inverse_depth.as_slice());
         let pixel = |x: usize, y: usize| {
             let pixel = y * width + x;
-            let painted = sources[pixel] != NO_IMAGE;
-            WeightedMean {
-                color: picture.color.as_slice()[pixel],
-                inverse_depth: picture.inverse_depth.as_slice()[pixel],
-                weight: f32::from(u8::from(painted)),
-            }
+            let weight = if sources[pixel] == NO_IMAGE { 0.0 } else { 1.0 };
+            WeightedMean { color: colors[pixel], inverse_depth: depths[pixel], weight }
         };
-        let mut levels = vec![halve((width, height), tolerance.factor(2.0), pixel)];
-        while let Some(finer) = levels.last()
-            && finer.cells.len() > 1
-        {
-            let factor = tolerance.factor((2 << levels.len()) as f32);
-            levels.push(halve((finer.width, finer.height), factor, |x, y| finer.cells[y * finer.width + x]));
+        // A level halves its size, until one cell is left.
+        let count = (width.max(height).max(2) - 1).ilog2() as usize + 1;
+        self.levels.resize_with(count, PyramidLevel::default);
+        self.levels[0].halve((width, height), tolerance.factor(2.0), pixel);
+        for index in 1..count {
+            let factor = tolerance.factor((2 << index) as f32);
+            let (finer, coarser) = self.levels.split_at_mut(index);
+            let PyramidLevel { width, height, cells, .. } = &finer[index - 1];
+            coarser[0].halve((*width, *height), factor, |x, y| cells[y * width + x]);
         }
-        for index in (0..levels.len()).rev() {
-            let (finer, coarser) = levels.split_at_mut(index + 1);
+        for index in (0..count).rev() {
+            let (finer, coarser) = self.levels.split_at_mut(index + 1);
             finer[index].set_first_painted(index, coarser.first());
         }
-        Self { levels }
     }
 
     /// The color and inverse depth for a hole pixel, from cells of `surface`; without a surface any cell counts. `None` if no such cell
@@ -98,12 +99,35 @@ impl Pyramid {
 }
 
 impl PyramidLevel {
+    /// Sets the cells from the next finer level, of `width` columns and `height` rows; inverse depths of one surface differ at most by
+    /// `factor`.
+    fn halve(
+        &mut self,
+        (width, height): (usize, usize),
+        factor: f32,
+        finer: impl Fn(usize, usize) -> WeightedMean + Sync,
+    ) {
+        let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
+        (self.width, self.height) = (columns, rows);
+        self.cells.resize(columns * rows, WeightedMean::EMPTY);
+        self.cells.par_chunks_mut(columns).enumerate().with_min_len(16).for_each(|(row, cells)| {
+            for (column, cell) in cells.iter_mut().enumerate() {
+                // The last block of an odd picture is smaller: its pixels count twice.
+                let (left, top) = (2 * column, 2 * row);
+                let (right, below) = ((left + 1).min(width - 1), (top + 1).min(height - 1));
+                let block = [finer(left, top), finer(right, top), finer(left, below), finer(right, below)];
+                *cell = mean_of_farthest(&block, factor);
+            }
+        });
+    }
+
     /// Sets [`PyramidLevel::first_painted`] of the level with this index.
     fn set_first_painted(&mut self, index: usize, coarser: Option<&Self>) {
         let (width, height, cells) = (self.width, self.height, &self.cells);
-        self.first_painted = vec![index as u8; cells.len()];
-        let Some(coarser) = coarser else { return };
+        self.first_painted.resize(cells.len(), 0);
         self.first_painted.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(row, first)| {
+            first.fill(index as u8);
+            let Some(coarser) = coarser else { return };
             let rows = row.saturating_sub(1)..(row + 2).min(height);
             for (column, first) in first.iter_mut().enumerate() {
                 let columns = column.saturating_sub(1)..(column + 2).min(width);
@@ -136,46 +160,34 @@ impl PyramidLevel {
     }
 }
 
-/// The next coarser level; inverse depths of one surface differ at most by `factor`.
-fn halve(
-    (width, height): (usize, usize),
-    factor: f32,
-    finer: impl Fn(usize, usize) -> WeightedMean + Sync,
-) -> PyramidLevel {
-    let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
-    let mut cells = vec![WeightedMean::EMPTY; columns * rows];
-    cells.par_chunks_mut(columns).enumerate().with_min_len(16).for_each(|(row, cells)| {
-        for (column, cell) in cells.iter_mut().enumerate() {
-            // The last block of an odd picture is smaller: its pixels count twice.
-            let (right, below) = ((2 * column + 1).min(width - 1), (2 * row + 1).min(height - 1));
-            let block = [(2 * column, 2 * row), (right, 2 * row), (2 * column, below), (right, below)]
-                .map(|(x, y)| finer(x, y));
-            let depths = block.map(|part| part.inverse_depth);
-            let nearest = depths.iter().fold(0.0_f32, |all, w| all.max(*w));
-            let least = depths.iter().fold(f32::INFINITY, |all, w| all.min(*w));
-            // Nearly everywhere, and many times as fast as picking parts out.
-            let is_one_surface =
-                block.iter().fold(true, |all, part| all & (part.weight > 0.0)) & (nearest <= least * factor);
-            if is_one_surface {
-                let mut sum = WeightedMean::EMPTY;
-                for part in &block {
-                    sum.add(part.weight, part.color, part.inverse_depth);
-                }
-                *cell = sum.normalized();
-                cell.weight /= 4.0;
-                continue;
-            }
-            let painted = || block.iter().filter(|part| part.weight > 0.0);
-            let farthest = painted().map(|part| part.inverse_depth).fold(f32::INFINITY, f32::min);
-            let mut sum = WeightedMean::EMPTY;
-            for part in painted().filter(|part| part.inverse_depth <= farthest * factor) {
+/// The mean of the farthest surface of a block of four; inverse depths of one surface differ at most by `factor`.
+#[inline]
+fn mean_of_farthest(block: &[WeightedMean; 4], factor: f32) -> WeightedMean {
+    let [a, b, c, d] = block.each_ref().map(|part| part.inverse_depth);
+    let nearest = a.max(b).max(c.max(d));
+    let least = a.min(b).min(c.min(d));
+    let mut sum = WeightedMean::EMPTY;
+    // Nearly everywhere, and many times as fast as picking parts out.
+    let is_painted =
+        (block[0].weight > 0.0) & (block[1].weight > 0.0) & (block[2].weight > 0.0) & (block[3].weight > 0.0);
+    if is_painted & (nearest <= least * factor) {
+        for part in block {
+            sum.add(part.weight, part.color, part.inverse_depth);
+        }
+    } else {
+        let mut farthest = f32::INFINITY;
+        for part in block {
+            farthest = farthest.min(if part.weight > 0.0 { part.inverse_depth } else { f32::INFINITY });
+        }
+        for part in block {
+            if part.weight > 0.0 && part.inverse_depth <= farthest * factor {
                 sum.add(part.weight, part.color, part.inverse_depth);
             }
-            if sum.weight > 0.0 {
-                *cell = sum.normalized();
-                cell.weight /= 4.0;
-            }
         }
-    });
-    PyramidLevel { width: columns, height: rows, cells, first_painted: Vec::new() }
+        if sum.weight == 0.0 {
+            return WeightedMean::EMPTY;
+        }
+    }
+    let mean = sum.normalized();
+    WeightedMean { weight: mean.weight / 4.0, ..mean }
 }

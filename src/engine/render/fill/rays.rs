@@ -37,7 +37,8 @@ pub(super) struct HoleNeighbors {
     pub(super) distance_px: [f32; 8],
 }
 
-/// Rays from every hole pixel.
+/// Rays from every hole pixel; none before they are cast.
+#[derive(Debug, Default)]
 pub(super) struct HoleRays {
     size: (usize, usize),
     forward: Vec<Steps>,
@@ -46,13 +47,17 @@ pub(super) struct HoleRays {
 
 impl HoleRays {
     /// Casts all rays over a picture of `size` whose holes hold [`NO_IMAGE`].
-    pub(super) fn cast(image: &[u32], size: (usize, usize)) -> Self {
+    pub(super) fn cast(&mut self, image: &[u32], size: (usize, usize)) {
         let last = image.len() - 1;
-        let (forward, backward) = rayon::join(
-            || sweep(size.0, image.len(), |pixel| image[pixel] == NO_IMAGE),
-            || sweep(size.0, image.len(), |pixel| image[last - pixel] == NO_IMAGE),
+        let Self { forward, backward, .. } = self;
+        for steps in [&mut *forward, &mut *backward] {
+            steps.resize(image.len(), [0; 4]);
+        }
+        rayon::join(
+            || sweep(size.0, forward, |pixel| image[pixel] == NO_IMAGE),
+            || sweep(size.0, backward, |pixel| image[last - pixel] == NO_IMAGE),
         );
-        Self { size, forward, backward }
+        self.size = size;
     }
 
     /// What the hole pixel `(x, y)` sees.
@@ -79,12 +84,14 @@ impl HoleRays {
     }
 }
 
-fn sweep(width: usize, count: usize, is_hole: impl Fn(usize) -> bool + Sync) -> Vec<Steps> {
-    let mut steps = vec![[0; 4]; count];
+/// Counts the steps of one half of the directions.
+fn sweep(width: usize, steps: &mut [Steps], is_hole: impl Fn(usize) -> bool + Sync) {
+    let count = steps.len();
     steps.par_chunks_mut(BAND * width).enumerate().for_each(|(band, steps)| {
         let first = band * BAND * width;
         for start in (0..steps.len()).step_by(RUN) {
             let run = start..(start + RUN).min(steps.len());
+            steps[run.clone()].fill([0; 4]);
             if !run.clone().fold(false, |any, local| any | is_hole(first + local)) {
                 continue;
             }
@@ -114,7 +121,6 @@ fn sweep(width: usize, count: usize, is_hole: impl Fn(usize) -> bool + Sync) -> 
             });
         }
     }
-    steps
 }
 
 /// Where a ray enters the band before its own; `None` where it leaves the picture first.
@@ -164,7 +170,9 @@ mod tests {
             let image: Vec<u32> = (0..width * height)
                 .map(|i| if (i * 7919 + i / 3) % every == every - 1 { 3 } else { NO_IMAGE })
                 .collect();
-            let rays = HoleRays::cast(&image, (width, height));
+            let mut rays = HoleRays::default();
+            rays.cast(&vec![NO_IMAGE; 200 * 200], (200, 200));
+            rays.cast(&image, (width, height));
             for pixel in (0..image.len()).filter(|&pixel| image[pixel] == NO_IMAGE) {
                 let from = (pixel % width, pixel / width);
                 let neighbors = rays.neighbors(from);

@@ -55,11 +55,13 @@ struct Section {
 /// The sections at one pixel, in the directions of [`HoleNeighbors`].
 type Sections = [Option<Section>; 8];
 
-/// The round things beside the holes of a picture.
+/// The round things beside the holes of a picture; none by default.
+#[derive(Debug, Default)]
 pub(super) struct RoundThings {
-    /// For each pixel the number of its sections, from 1 on; 0 without any. Empty where no pixel has any.
+    /// For each pixel the number of its sections, from 1 on; 0 without any.
     numbers: Vec<u32>,
-    sections: Vec<Sections>,
+    /// The pixels that have sections, and these.
+    sections: Vec<(usize, Sections)>,
     directions: PixelDirections,
 }
 
@@ -90,8 +92,22 @@ impl RoundVotes {
 }
 
 impl RoundThings {
-    /// Those of a picture of `target`, by the inverse depths of its `sources`, which are not [`NO_IMAGE`].
-    pub(super) fn new(depths: &[f32], sources: &[u32], target: &Camera, tolerance: SurfaceTolerance) -> Self {
+    /// Forgets those of an earlier picture.
+    pub(super) fn clear(&mut self) {
+        for (pixel, _) in self.sections.drain(..) {
+            self.numbers[pixel] = 0;
+        }
+    }
+
+    /// Finds those of a picture of `target`, by the inverse depths of its `sources`, which are not [`NO_IMAGE`].
+    pub(super) fn find(
+        &mut self,
+        depths: &[f32],
+        sources: &[u32],
+        target: &Camera,
+        tolerance: SurfaceTolerance,
+    ) {
+        self.clear();
         let (width, _) = target.intrinsics.size();
         let directions = PixelDirections::new(target);
         let edge = HoleEdges {
@@ -103,16 +119,12 @@ impl RoundThings {
         };
         let rows: Vec<Vec<(usize, Sections)>> =
             (0..depths.len() / width).into_par_iter().map(|y| edge.sections_of_row(y)).collect();
-        let mut numbers = Vec::new();
-        let mut sections = Vec::new();
-        for (pixel, of_pixel) in rows.into_iter().flatten() {
-            if numbers.is_empty() {
-                numbers = vec![0; depths.len()];
-            }
-            sections.push(of_pixel);
-            numbers[pixel] = sections.len() as u32;
+        self.numbers.resize(depths.len(), 0);
+        for (pixel, sections) in rows.into_iter().flatten() {
+            self.sections.push((pixel, sections));
+            self.numbers[pixel] = self.sections.len() as u32;
         }
-        Self { numbers, sections, directions }
+        self.directions = directions;
     }
 
     /// What they say of a pixel of a hole that sees `seen`. Whether a camera saw through its line of sight somewhere between two inverse
@@ -136,7 +148,7 @@ impl RoundThings {
                 continue;
             }
             let number = self.numbers[pixel] as usize;
-            let section = if number > 0 { self.sections[number - 1][direction] } else { None };
+            let section = if number > 0 { self.sections[number - 1].1[direction] } else { None };
             let Some(section) = section else {
                 votes.silent_count += 1;
                 continue;
@@ -287,9 +299,11 @@ mod tests {
         let (depths, sources) = half_seen();
         let camera = camera();
         let tolerance = SurfaceTolerance::new(&camera, &RenderSettings::default());
-        let things = RoundThings::new(&depths, &sources, &camera, tolerance);
+        let mut things = RoundThings::default();
+        things.find(&depths, &sources, &camera, tolerance);
         let side = SIZE as usize;
-        let rays = super::super::rays::HoleRays::cast(&sources, (side, side));
+        let mut rays = super::super::rays::HoleRays::default();
+        rays.cast(&sources, (side, side));
         things.votes(&depths, at, &rays.neighbors(at), |_| is_seen_through)
     }
 
