@@ -106,7 +106,8 @@ impl PictureInput<'_> {
     fn paint(&self, first_tile: usize, bounds: &[TileBounds], layer: &mut PaintedLayer) -> Result<()> {
         let threads = rayon::current_num_threads();
         let (_, height) = self.target.intrinsics.size();
-        let bands = bands(bounds, first_tile, height, if threads == 1 { 1 } else { 2 * threads });
+        let count = if threads == 1 { 1 } else { 2 * threads };
+        let bands = bands(self.stage.frame, bounds, first_tile, height, count);
         self.end(Stage::Select);
         surface(&self.stage, &bands, &mut layer.keys)?;
         if self.stage.blends() {

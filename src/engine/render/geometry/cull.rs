@@ -209,11 +209,21 @@ impl TileBoxes {
     }
 }
 
-/// Cuts the picture into at most `count` bands with about the same number of tiles each.
-pub(crate) fn bands(bounds: &[TileBounds], first_tile: usize, height: usize, count: usize) -> Vec<RowBand> {
+/// What it takes to lay out a tile, in samples painted.
+const SAMPLES_A_TILE: usize = 32;
+
+/// Cuts the picture into at most `count` bands that take about as long to paint. `bounds` are those of the tiles from `first_tile` on.
+pub(crate) fn bands(
+    frame: &FrameSamples<'_>,
+    bounds: &[TileBounds],
+    first_tile: usize,
+    height: usize,
+    count: usize,
+) -> Vec<RowBand> {
     let mut middles = vec![0_usize; height];
-    for tile in bounds.iter().filter(|tile| !tile.is_empty()) {
-        middles[(tile.top + tile.bottom) as usize / 2] += 1;
+    for (nth, tile) in bounds.iter().enumerate().filter(|(_, tile)| !tile.is_empty()) {
+        let samples = frame.tile(first_tile + nth).color.len();
+        middles[(tile.top + tile.bottom) as usize / 2] += samples + SAMPLES_A_TILE;
     }
     let total: usize = middles.iter().sum();
     let mut bands: Vec<RowBand> = Vec::new();

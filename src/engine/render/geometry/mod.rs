@@ -17,7 +17,7 @@ use glam::Vec3;
 
 use crate::samples::TILE;
 pub(crate) use cull::{FootprintReach, RowBand, TileBounds, bands, bounds};
-pub(crate) use project::{ProjectedRow, Projector, growth_along, rays_in_world};
+pub(crate) use project::{ProjectedPixels, Projector, growth_along, rays_in_world};
 
 /// A footprint stretches at most to this many times its size seen face on: steeper slopes are too inexact.
 pub(crate) const MAX_STRETCH: f32 = 1.5;
@@ -61,7 +61,7 @@ pub(crate) struct Footprints {
 #[inline(always)]
 pub(crate) fn footprints(
     projector: &Projector,
-    row: &ProjectedRow,
+    row: &ProjectedPixels,
     w: &[f32; TILE],
     slopes: &[[f32; TILE]; 2],
 ) -> Footprints {
@@ -110,7 +110,7 @@ pub(crate) fn footprints(
 #[inline(never)]
 fn footprints_of_orthographic(
     projector: &Projector,
-    row: &ProjectedRow,
+    row: &ProjectedPixels,
     w: &[f32; TILE],
     slopes: &[[f32; TILE]; 2],
 ) -> Footprints {
@@ -163,7 +163,13 @@ impl Footprints {
     /// The plane of sample `i` at the center of pixel `(x, y)`. Its inverse depth differs from the sample's by at most `stretch` times
     /// `deviation`.
     #[inline(always)]
-    pub(crate) fn plane_at(&self, row: &ProjectedRow, i: usize, (x, y): (f32, f32), stretch: f32) -> PlaneAt {
+    pub(crate) fn plane_at(
+        &self,
+        row: &ProjectedPixels,
+        i: usize,
+        (x, y): (f32, f32),
+        stretch: f32,
+    ) -> PlaneAt {
         let (dx, dy) = (x + 0.5 - row.u[i], y + 0.5 - row.v[i]);
         let (across, down) = (
             self.inverse[0][i] * dx + self.inverse[1][i] * dy,

@@ -34,9 +34,9 @@ pub(crate) struct Projector {
     pub(crate) focal_ratio: f32,
 }
 
-/// The sixteen pixels of a tile's row in the target.
+/// Sixteen pixels of a tile in the target.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ProjectedRow {
+pub(crate) struct ProjectedPixels {
     /// Target pixels, centers at +0.5; meaningless where `reciprocal` is not positive.
     pub(crate) u: [f32; TILE],
     /// See `u`.
@@ -137,7 +137,7 @@ impl Projector {
         [point.x / divisor, point.y / divisor]
     }
 
-    /// Target pixels along a source pixel at inverse depth `w` whose [`ProjectedRow::reciprocal`] is this.
+    /// Target pixels along a source pixel at inverse depth `w` whose [`ProjectedPixels::reciprocal`] is this.
     #[inline(always)]
     pub(crate) fn magnification(&self, w: f32, reciprocal: f32) -> f32 {
         self.focal_ratio * self.distance_ratio(w, reciprocal)
@@ -181,31 +181,47 @@ impl Projector {
 
     /// Sixteen pixels of a row from `ray` on, with their inverse depths.
     #[inline(always)]
-    pub(crate) fn row(&self, ray: Vec3, inverse_depth: &[f32; TILE]) -> ProjectedRow {
+    pub(crate) fn row(&self, ray: Vec3, inverse_depth: &[f32; TILE]) -> ProjectedPixels {
+        self.pixels(&[[ray.x; TILE], [ray.y; TILE], [ray.z; TILE]], &FIRST_COLUMNS, inverse_depth)
+    }
+
+    /// Sixteen pixels with their inverse depths, each some columns to the right of the one that a ray is of: the rays' `x`, `y` and `z`.
+    #[inline(always)]
+    pub(crate) fn pixels(
+        &self,
+        rays: &[[f32; TILE]; 3],
+        columns: &[f32; TILE],
+        inverse_depth: &[f32; TILE],
+    ) -> ProjectedPixels {
         if self.has_orthographic() {
-            return self.row_of_orthographic(ray, inverse_depth);
+            return self.pixels_of_orthographic(rays, columns, inverse_depth);
         }
-        let mut row = ProjectedRow { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
-        for column in 0..TILE {
-            let (along, w) = (column as f32, inverse_depth[column]);
-            let x = ray.x + self.per_column.x * along + self.origin.x * w;
-            let y = ray.y + self.per_column.y * along + self.origin.y * w;
-            let z = ray.z + self.per_column.z * along + self.origin.z * w;
+        let mut pixels = ProjectedPixels { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
+        for i in 0..TILE {
+            let (along, w) = (columns[i], inverse_depth[i]);
+            let x = rays[0][i] + self.per_column.x * along + self.origin.x * w;
+            let y = rays[1][i] + self.per_column.y * along + self.origin.y * w;
+            let z = rays[2][i] + self.per_column.z * along + self.origin.z * w;
             let reciprocal = 1.0 / z;
-            row.u[column] = x * reciprocal;
-            row.v[column] = y * reciprocal;
-            row.reciprocal[column] = reciprocal;
+            pixels.u[i] = x * reciprocal;
+            pixels.v[i] = y * reciprocal;
+            pixels.reciprocal[i] = reciprocal;
         }
-        row
+        pixels
     }
 
     /// The same where one of the cameras is orthographic. Apart, so that what is between cameras in perspective stays as fast as it is.
     #[cold]
     #[inline(never)]
-    fn row_of_orthographic(&self, ray: Vec3, inverse_depth: &[f32; TILE]) -> ProjectedRow {
-        let mut row = ProjectedRow { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
-        for (column, &w) in inverse_depth.iter().enumerate() {
-            let ray = ray + self.per_column * column as f32;
+    fn pixels_of_orthographic(
+        &self,
+        rays: &[[f32; TILE]; 3],
+        columns: &[f32; TILE],
+        inverse_depth: &[f32; TILE],
+    ) -> ProjectedPixels {
+        let mut pixels = ProjectedPixels { u: [0.0; TILE], v: [0.0; TILE], reciprocal: [0.0; TILE] };
+        for (i, &w) in inverse_depth.iter().enumerate() {
+            let ray = Vec3::new(rays[0][i], rays[1][i], rays[2][i]) + self.per_column * columns[i];
             let point = self.carried(ray, w);
             let [u, v] = match (self.source_is_orthographic, self.target_is_orthographic) {
                 // At infinity what both see along one direction stays where it is.
@@ -215,12 +231,16 @@ impl Projector {
                 }),
                 _ => self.position(point, w),
             };
-            (row.u[column], row.v[column]) = (u, v);
-            row.reciprocal[column] = point.z.recip();
+            (pixels.u[i], pixels.v[i]) = (u, v);
+            pixels.reciprocal[i] = point.z.recip();
         }
-        row
+        pixels
     }
 }
+
+/// The columns of a row, as numbers.
+const FIRST_COLUMNS: [f32; TILE] =
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
 #[cfg(test)]
 mod tests {

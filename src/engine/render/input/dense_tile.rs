@@ -28,6 +28,12 @@ impl DenseTile {
         &self.rows[row + 1]
     }
 
+    /// The inverse depths of all pixels, row-major.
+    #[inline(always)]
+    pub(crate) fn pixels(&self) -> &[f32; TILE_SAMPLES] {
+        self.rows.as_flattened()[TILE..].first_chunk().unwrap_or(&[MISSING; TILE_SAMPLES])
+    }
+
     /// The inverse depths of all rows.
     #[inline(always)]
     pub(crate) fn rows(&self) -> &[[f32; TILE]] {

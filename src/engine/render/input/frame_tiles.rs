@@ -304,7 +304,7 @@ pub(crate) struct FrameTile<'a> {
     /// Index of the camera.
     pub(crate) camera: u16,
     /// Where it holds doubtful samples, as [`FrameTile::rows`]; `None` where it holds none.
-    doubtful: Option<&'a [u16; TILE]>,
+    pub(crate) doubtful: Option<&'a [u16; TILE]>,
 }
 
 impl<'a> FrameTile<'a> {
@@ -324,12 +324,6 @@ impl<'a> FrameTile<'a> {
             camera: image.camera as u16,
             doubtful: image.doubtful_rows(index),
         }
-    }
-
-    /// Which pixels of a row hold doubtful samples: a mask of columns.
-    #[inline(always)]
-    pub(crate) fn doubtful_columns(&self, row: usize) -> u16 {
-        self.doubtful.map_or(0, |rows| rows[row])
     }
 
     /// Samples before a pixel of the tile.

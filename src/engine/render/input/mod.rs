@@ -11,7 +11,7 @@ use std::sync::Arc;
 use crate::capture::Camera;
 use crate::samples::SampleSet;
 use crate::settings::RenderSettings;
-pub(crate) use dense_tile::{DenseTile, beside_edges, slopes};
+pub(crate) use dense_tile::{DenseTile, MISSING, beside_edges, slopes};
 pub(crate) use frame_tiles::{
     ColorIndex, FrameImages, FrameSamples, FrameTile, TileIndex, linear, samples_above,
 };

@@ -39,6 +39,12 @@ impl BandRows {
         (if inside { pixel } else { (i as u32).min(self.last) }, inside)
     }
 
+    /// Whether the middle of a row of the band lies between two positions of the picture.
+    #[inline(always)]
+    pub(super) fn has_row_between(&self, above: f32, below: f32) -> bool {
+        (below >= self.top) & (above <= self.bottom + 1.0)
+    }
+
     /// Raises the keys of the pixels from the first to the last column and row of `edges` to what `key_at` gives, [`WIDE`] columns at a
     /// time.
     #[inline(always)]

@@ -17,7 +17,7 @@ use super::input::{StageInput, split_at_bands};
 use super::zkey::inverse_depth_of;
 use crate::error::Result;
 use crate::render::geometry::{
-    FootprintReach, Footprints, MAX_STRETCH, ProjectedRow, Projector, RowBand, footprints,
+    FootprintReach, Footprints, MAX_STRETCH, ProjectedPixels, Projector, RowBand, footprints,
 };
 use crate::render::input::{DenseTile, FrameTile, beside_edges, slopes};
 use crate::samples::TILE;
@@ -144,7 +144,7 @@ fn cosines(
     rays_in_world: &[Vec3; 3],
     projector: &Projector,
     ray: Vec3,
-    projected: &ProjectedRow,
+    projected: &ProjectedPixels,
 ) -> [f32; TILE] {
     let [corner, across, down] = *rays_in_world;
     let mut cosines = [0.0; TILE];
@@ -185,7 +185,7 @@ impl BandSums<'_> {
     }
 
     #[inline(always)]
-    fn add_blocks(&mut self, projected: &ProjectedRow, samples: &RowSamples<'_>) {
+    fn add_blocks(&mut self, projected: &ProjectedPixels, samples: &RowSamples<'_>) {
         let (width, top, bottom) = (self.width as f32, self.rows.start as f32, self.rows.end as f32);
         samples.for_each(|i, w, color| {
             let (u, v, reciprocal) = (projected.u[i] - 0.5, projected.v[i] - 0.5, projected.reciprocal[i]);
@@ -210,7 +210,7 @@ impl BandSums<'_> {
     fn add_footprints(
         &mut self,
         projector: &Projector,
-        projected: &ProjectedRow,
+        projected: &ProjectedPixels,
         found: &Footprints,
         trust: &[f32; TILE],
         samples: &RowSamples<'_>,

@@ -3,6 +3,7 @@
 mod band_rows;
 mod blend;
 mod input;
+mod packed_tile;
 mod surface;
 mod zkey;
 

@@ -7,17 +7,15 @@ use rayon::prelude::*;
 
 use super::band_rows::BandRows;
 use super::input::{StageInput, split_at_bands};
-use super::zkey::{CORE, TRUSTED, key, nearness};
+use super::packed_tile::{PackedTile, TileSamples};
+use super::zkey::{CORE, key, nearness};
 use crate::error::Result;
 use crate::render::geometry::{
-    CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedRow, Projector, RowBand,
-    footprints,
+    CORE_REACH, FRINGE, Footprints, MAGNIFIED, MAX_STRETCH, PlaneAt, ProjectedPixels, RowBand, footprints,
 };
-use crate::render::input::RelativeWidth;
-use crate::render::input::{DenseTile, slopes};
 use crate::samples::TILE;
 use crate::settings::Kernel;
-use crate::simd::{self, VectorLoop, joined};
+use crate::simd::{self, VectorLoop, joined, mask};
 
 /// A sample belongs to the core of a pixel that gets at least this share of it by bilinear weights, and else to its
 /// fringe. The fringe fills pixels that are no sample's core; elsewhere it stays away, so that silhouettes do not grow.
@@ -49,7 +47,7 @@ struct BandSurface<'a, S> {
 /// The keys of a band, and new keys to raise them to.
 struct KeyUpdates<'a> {
     /// Pixels of the band that sixteen samples touch, the first of each sample, the second and so on; or, for samples that touch a
-    /// single pixel, one for each row of a tile.
+    /// single pixel, one for each group of a tile.
     pixels: [[u32; TILE]; TILE],
     /// The new keys; the larger of old and new stays, so 0 changes nothing.
     new: [[u64; TILE]; TILE],
@@ -58,26 +56,15 @@ struct KeyUpdates<'a> {
 
 /// How the samples of a kernel touch pixels.
 trait Splat {
-    /// Raises the keys of the pixels that a row of a tile touches; `slots` is the slot of the row's first pixel.
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>);
+    /// Whether it reads slopes.
+    const READS_SLOPES: bool = false;
+
+    /// Raises the keys of the pixels that the `nth` group of samples of a tile touches; `slots` is the slot of the tile's first pixel.
+    fn group(&self, samples: &TileSamples<'_>, slots: u32, nth: usize, raised: &mut KeyUpdates<'_>);
 
     /// Ends a tile.
     #[inline(always)]
     fn end(&self, _raised: &mut KeyUpdates<'_>) {}
-}
-
-/// A row of a tile.
-struct TileRow<'a> {
-    projector: &'a Projector,
-    /// The size of the camera's footprints, relative to the distance.
-    per_footprint: RelativeWidth,
-    tile: &'a DenseTile,
-    /// Where the tile holds samples: a mask of columns per row.
-    rows: &'a [u16; TILE],
-    nth: usize,
-    projected: ProjectedRow,
-    /// [`TRUSTED`] per sample, 0 where it is doubtful.
-    trust: [u32; TILE],
 }
 
 /// Depths are prefetched this many tiles ahead.
@@ -89,7 +76,7 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
     #[inline(always)]
     fn run(self) -> Result<()> {
         let Self { input, band, keys, splat } = self;
-        let mut dense = DenseTile::new();
+        let mut packed = PackedTile::new();
         let mut raised = KeyUpdates { pixels: [[0; TILE]; TILE], new: [[0; TILE]; TILE], keys };
         for (nth, &number) in band.tiles.iter().enumerate() {
             input.job.check()?;
@@ -99,24 +86,9 @@ impl<S: Splat> VectorLoop for BandSurface<'_, S> {
             let tile = input.frame.tile(number as usize);
             let camera = tile.camera as usize;
             let projector = &input.projectors[camera];
-            dense.unpack(tile);
-            let (x, y) = (tile.origin.0 as f32, tile.origin.1 as usize);
-            for row in (0..TILE).filter(|row| tile.rows[*row] != 0) {
-                let w = dense.row(row);
-                let projected = projector.row(projector.ray(x, (y + row) as f32), w);
-                let per_footprint = input.per_footprint[camera];
-                let doubtful = tile.doubtful_columns(row);
-                let trust = std::array::from_fn(|i| if doubtful >> i & 1 == 1 { 0 } else { TRUSTED });
-                let line = TileRow {
-                    projector,
-                    per_footprint,
-                    tile: &dense,
-                    rows: &tile.rows,
-                    nth: row,
-                    projected,
-                    trust,
-                };
-                splat.row(&line, number << 8 | (row as u32) << 4, &mut raised);
+            packed.set(tile, projector, S::READS_SLOPES.then_some(input.per_footprint[camera]));
+            for nth in 0..packed.group_count() {
+                splat.group(&packed.group(nth, tile, projector), number << 8, nth, &mut raised);
             }
             splat.end(&mut raised);
         }
@@ -151,20 +123,22 @@ struct PointSplat(BandRows);
 
 impl Splat for PointSplat {
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
-        let projected = &row.projected;
+    fn group(&self, samples: &TileSamples<'_>, slots: u32, nth: usize, raised: &mut KeyUpdates<'_>) {
+        let projected = &samples.projected;
         for i in 0..TILE {
             let (pixel, inside) = self.0.pixel(projected.u[i].floor(), projected.v[i].floor(), i);
-            raised.pixels[row.nth][i] = pixel;
-            raised.new[row.nth][i] = row.key(i, CORE, slots, inside);
+            raised.pixels[nth][i] = pixel;
+            raised.new[nth][i] = samples.key(i, CORE, slots, inside);
         }
     }
 
-    /// A tile is projected as a whole before its keys are compared, because only projecting is work for vectors. Rows without
-    /// samples hold keys of an earlier tile, which change nothing.
+    /// A tile is projected as a whole before its keys are compared, because only projecting is work for vectors. Groups that it
+    /// has not hold keys of an earlier tile, which change nothing.
     #[inline(always)]
     fn end(&self, raised: &mut KeyUpdates<'_>) {
-        (0..TILE).for_each(|row| raised.raise_all(row));
+        for group in 0..TILE {
+            raised.raise_all(group);
+        }
     }
 }
 
@@ -173,8 +147,8 @@ struct BlockSplat(BandRows);
 
 impl Splat for BlockSplat {
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
-        let projected = &row.projected;
+    fn group(&self, samples: &TileSamples<'_>, slots: u32, _nth: usize, raised: &mut KeyUpdates<'_>) {
+        let projected = &samples.projected;
         for corner in 0..4 {
             let (right, below) = ((corner & 1) as f32, (corner >> 1) as f32);
             for i in 0..TILE {
@@ -185,10 +159,12 @@ impl Splat for BlockSplat {
                 let tier = if share_x * share_y >= CORE_SHARE { CORE } else { 0 };
                 let (pixel, inside) = self.0.pixel(left + right, top + below, i);
                 raised.pixels[corner][i] = pixel;
-                raised.new[corner][i] = row.key(i, tier, slots, inside);
+                raised.new[corner][i] = samples.key(i, tier, slots, inside);
             }
         }
-        (0..4).for_each(|corner| raised.raise_all(corner));
+        for corner in 0..4 {
+            raised.raise_all(corner);
+        }
     }
 }
 
@@ -200,12 +176,30 @@ struct PlaneSplat {
     fringe: bool,
 }
 
-impl Splat for PlaneSplat {
+impl PlaneSplat {
+    /// Whether none of some samples reaches into the band: many do not where a tile lies across its ends.
     #[inline(always)]
-    fn row(&self, row: &TileRow<'_>, slots: u32, raised: &mut KeyUpdates<'_>) {
-        let (w, projected) = (row.tile.row(row.nth), &row.projected);
-        let slopes = slopes(row.tile, row.nth, row.per_footprint);
-        let found = footprints(row.projector, projected, w, &slopes);
+    fn misses(&self, samples: &TileSamples<'_>) -> bool {
+        let TileSamples { projector, w, projected, .. } = samples;
+        let touching = mask(|i| {
+            // No footprint reaches farther, with or without its fringe.
+            let reach = MAX_STRETCH * projector.magnification(w[i], projected.reciprocal[i]) + 1.0;
+            self.pixels.has_row_between(projected.v[i] - reach, projected.v[i] + reach)
+        });
+        touching == 0
+    }
+}
+
+impl Splat for PlaneSplat {
+    const READS_SLOPES: bool = true;
+
+    #[inline(always)]
+    fn group(&self, samples: &TileSamples<'_>, slots: u32, _nth: usize, raised: &mut KeyUpdates<'_>) {
+        let TileSamples { at, w, projected, trust, .. } = samples;
+        if self.misses(samples) {
+            return;
+        }
+        let found = footprints(samples.projector, projected, w, &samples.slopes);
         // First and last column and row whose centers the footprint covers: up to three unless it is large.
         let mut edges = [[0.0_f32; TILE]; 4];
         let mut large = [0_u32; TILE];
@@ -244,20 +238,21 @@ impl Splat for PlaneSplat {
                 let seen = inside & covered & is_further & (projected.reciprocal[i] > 0.0) & (w[i] >= 0.0);
                 raised.pixels[corner][i] = pixel;
                 raised.new[corner][i] =
-                    if seen { key(nearness(depth, CORE | row.trust[i]), slots | i as u32) } else { 0 };
+                    if seen { key(nearness(depth, CORE | trust[i]), slots | at[i]) } else { 0 };
                 touched[corner] |= u32::from(seen) << i;
             }
         }
         raised.raise_all(0);
-        (1..9).for_each(|corner| raised.raise_some(corner, touched[corner]));
+        for corner in 1..9 {
+            raised.raise_some(corner, touched[corner]);
+        }
         while large != 0 {
             let i = large.trailing_zeros() as usize % TILE;
             large &= large - 1;
-            let own =
-                LargeFootprint { found: &found, projected, i, slot: slots | i as u32, trust: row.trust[i] };
+            let own = LargeFootprint { found: &found, projected, i, slot: slots | at[i], trust: trust[i] };
             self.pixels.raise(raised.keys, edges.map(|edges| edges[i]), |x, y| own.core(x, y));
             if self.fringe && own.has_fringe() {
-                let reach = row.reach(i);
+                let reach = samples.reach(i);
                 self.pixels.raise(raised.keys, own.edges_of_fringe(reach), |x, y| own.fringe(x, y, reach));
             }
         }
@@ -267,11 +262,11 @@ impl Splat for PlaneSplat {
 /// A sample whose footprint covers many pixels.
 struct LargeFootprint<'a> {
     found: &'a Footprints,
-    projected: &'a ProjectedRow,
-    /// Its column in the tile.
+    projected: &'a ProjectedPixels,
+    /// Its number in the group.
     i: usize,
     slot: u32,
-    /// As [`TileRow::trust`].
+    /// As [`TileSamples::trust`].
     trust: u32,
 }
 
@@ -283,7 +278,7 @@ impl LargeFootprint<'_> {
         if at.is_core { key(nearness(at.inverse_depth, CORE | self.trust), self.slot) } else { 0 }
     }
 
-    /// That of its fringe, which begins where the footprint ends; `reach` as [`TileRow::reach`] gives it.
+    /// That of its fringe, which begins where the footprint ends; `reach` as [`TileSamples::reach`] gives it.
     #[inline(always)]
     fn fringe(&self, x: f32, y: f32, reach: [f32; 4]) -> u64 {
         let at = self.found.plane_at(self.projected, self.i, (x, y), FRINGE / CORE_REACH);
@@ -317,26 +312,5 @@ impl LargeFootprint<'_> {
         let [left, right] = span(self.projected.u[self.i], a, b);
         let [top, bottom] = span(self.projected.v[self.i], c, d);
         [left, right, top, bottom]
-    }
-}
-
-impl TileRow<'_> {
-    /// The key of sample `i` at its own depth; 0 if it is not in the band or not visible.
-    #[inline(always)]
-    fn key(&self, i: usize, tier: u32, slots: u32, inside: bool) -> u64 {
-        let (w, reciprocal) = (self.tile.row(self.nth)[i], self.projected.reciprocal[i]);
-        let seen = inside & (reciprocal > 0.0) & (w >= 0.0);
-        let full = key(nearness(w * reciprocal, tier | self.trust[i]), slots | i as u32);
-        if seen { full } else { 0 }
-    }
-
-    /// How far the footprint of sample `i` reaches with its fringe, in source pixels: to the left, right, up and down. Toward samples
-    /// of the same tile, which have footprints of their own, there is no fringe.
-    #[inline(always)]
-    fn reach(&self, i: usize) -> [f32; 4] {
-        let row = |nth: usize| u32::from(*self.rows.get(nth).unwrap_or(&0)) << 1;
-        let (above, here, below) = (row(self.nth.wrapping_sub(1)), row(self.nth), row(self.nth + 1));
-        [here >> i, here >> (i + 2), above >> (i + 1), below >> (i + 1)]
-            .map(|closed| if closed & 1 == 1 { CORE_REACH } else { FRINGE })
     }
 }
