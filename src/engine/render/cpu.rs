@@ -266,8 +266,14 @@ impl CpuRenderer {
 }
 
 impl VantageCache {
-    /// Memory for the next picture: both layers, and a picture that no caller holds.
-    fn into_buffers(self) -> (PaintedLayer, PaintedLayer, Option<Picture>) {
+    /// Memory for the next picture, whose z-buffer has a size: the background's layer, an empty foreground, and a picture that no caller
+    /// holds.
+    fn into_buffers(mut self, size: (usize, usize)) -> (PaintedLayer, PaintedLayer, Option<Picture>) {
+        if finer(&self.key.camera, self.key.subpixels).intrinsics.size() == size {
+            self.foreground.clear(&self.touched, size.0);
+        } else {
+            self.foreground = PaintedLayer::default();
+        }
         let free = self.pictures.into_iter().find_map(|cached| Arc::into_inner(cached.picture));
         (self.background, self.foreground, free)
     }
@@ -294,7 +300,7 @@ fn paint_all(
     let (width, height) = input.target.intrinsics.size();
     let frame = input.stage.frame;
     let (mut background, mut foreground, picture) =
-        earlier.map(VantageCache::into_buffers).unwrap_or_default();
+        earlier.map(|cache| cache.into_buffers((width, height))).unwrap_or_default();
     let (pixels, sums) = (width * height, if input.stage.blends() { width * height } else { 0 });
     background.reset(pixels, sums);
     input.paint(0, &input.bounds(frame.background_tiles()), &mut background)?;
@@ -303,7 +309,7 @@ fn paint_all(
         // For the next frame only touched blocks are cleared; the others must be empty already.
         foreground = PaintedLayer::default();
     } else {
-        foreground.reset(pixels, sums);
+        foreground.resize(pixels, sums);
         let bounds = input.bounds(frame.foreground_tiles());
         touched.mark(&bounds, RING);
         input.paint(frame.background_tile_count, &bounds, &mut foreground)?;
@@ -344,12 +350,8 @@ fn paint_foreground(input: &PictureInput<'_>, mut cache: VantageCache) -> Result
         (picture, holes)
     };
     let pixels = width * height;
-    cache.foreground.keys.resize(pixels, 0);
-    cache.foreground.sums.resize(if input.stage.blends() { pixels } else { 0 }, [0.0; 4]);
-    cache.touched.clear(width, &mut cache.foreground.keys, 0);
-    if input.stage.blends() {
-        cache.touched.clear(width, &mut cache.foreground.sums, [0.0; 4]);
-    }
+    cache.foreground.resize(pixels, if input.stage.blends() { pixels } else { 0 });
+    cache.foreground.clear(&cache.touched, width);
     let bounds = input.bounds(input.stage.frame.foreground_tiles());
     let mut touched = BlockSet::none(width, height);
     touched.mark(&bounds, RING);

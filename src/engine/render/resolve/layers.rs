@@ -24,6 +24,18 @@ impl PaintedLayer {
         clear(&mut self.keys, keys, 0);
         clear(&mut self.sums, sums, [0.0; 4]);
     }
+
+    /// Gives the layer this many keys and sums; those that are new are empty.
+    pub(crate) fn resize(&mut self, keys: usize, sums: usize) {
+        self.keys.resize(keys, 0);
+        self.sums.resize(sums, [0.0; 4]);
+    }
+
+    /// Clears some blocks of the layer, whose z-buffer has `width` columns.
+    pub(crate) fn clear(&mut self, blocks: &BlockSet, width: usize) {
+        blocks.clear(width, &mut self.keys, 0);
+        blocks.clear(width, &mut self.sums, [0.0; 4]);
+    }
 }
 
 /// Every other column of a block, from the first on.
@@ -211,7 +223,7 @@ impl BlockSet {
     }
 
     /// Sets the pixels of the blocks, in a layer of the z-buffer, `width` columns wide.
-    pub(crate) fn clear<T: Copy + Send + Sync>(&self, width: usize, buffer: &mut [T], value: T) {
+    fn clear<T: Copy + Send + Sync>(&self, width: usize, buffer: &mut [T], value: T) {
         buffer.par_chunks_mut(BLOCK * width).enumerate().for_each(|(row, strip)| {
             for columns in self.columns(row, width, BLOCK) {
                 strip.chunks_mut(width).for_each(|pixels| pixels[columns.clone()].fill(value));
