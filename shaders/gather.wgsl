@@ -1,5 +1,5 @@
 // The gather stage: the color of each surface of a pixel, looked up in the cameras.
-// Twins: src/engine/render/gather/interpolate.rs, src/engine/render/gather/near_cameras.rs, `SourceViews::coarse`, src/engine/render/gather/subpixels.rs, `SurfacePoints::add_colors`, `GatherScratch::gather`.
+// Twins: src/engine/render/gather/interpolate.rs, src/engine/render/gather/near_cameras.rs, src/engine/render/gather/subpixels.rs, `SurfacePoints::add_colors`, `GatherScratch::gather`.
 //
 // One workgroup a block of 16×16 pixels of the z-buffer, one thread a pixel of the picture.
 

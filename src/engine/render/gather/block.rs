@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use super::interpolate::{BlockCameras, ListedBlock, find_colors};
-use super::near_cameras::{NearCameras, list_cameras};
+use super::near_cameras::{NearCameras, coarse_cameras, list_cameras};
 use super::silhouette::{EdgePixel, Patch, PixelSurfaces, RING, SIDE};
 use super::subpixels::{DecidedEdges, set_surfaces_of_pairs};
 use super::surface_points::{PixelShares, StripPixel, SurfaceDepth, SurfacePoints};
@@ -92,7 +92,7 @@ impl GatherScratch {
         let slope = patch.slope(BLOCK / 2, BLOCK / 2);
         views.rank(center, w, slope, &mut self.cameras, &mut self.weights);
         if views.pruned && NearCameras::pay_off(&self.cameras) {
-            self.near.find(patch, frame, &self.cameras, views.coarse(center, w, &self.cameras));
+            self.near.find(patch, frame, &self.cameras, coarse_cameras(views, center, w, &self.cameras));
         } else {
             self.near.set_all();
         }

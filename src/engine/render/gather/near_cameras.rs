@@ -13,6 +13,7 @@
 
 use super::silhouette::{Patch, RING, SIDE};
 use super::target::BLOCK;
+use super::view_weights::SourceViews;
 use crate::render::input::FrameSamples;
 use crate::render::splat::slot_of;
 
@@ -26,6 +27,19 @@ const LAST_BIT: usize = 31;
 #[inline(always)]
 pub(super) fn bit_of(rank: usize) -> u32 {
     1 << rank.min(LAST_BIT)
+}
+
+/// Which of the listed cameras recorded the surface at inverse depth `w` in pixel `(x, y)` so coarsely that their samples count farther away
+/// than a block's ring reaches: from a sample to the end of its footprint is half of a recorded pixel.
+#[inline(always)]
+pub(super) fn coarse_cameras(views: &SourceViews<'_>, at: (f32, f32), w: f32, cameras: &[u16]) -> u32 {
+    let mut mask = 0;
+    for (rank, &camera) in cameras.iter().enumerate() {
+        if views.is_coarser(camera, at, w, 2.0 * RING as f32) {
+            mask |= bit_of(rank);
+        }
+    }
+    mask
 }
 
 /// Lists the cameras that recorded the samples of some z-buffer keys, ascending.

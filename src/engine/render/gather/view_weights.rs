@@ -2,8 +2,6 @@
 
 use glam::Vec3;
 
-use super::near_cameras::bit_of;
-use super::silhouette::RING;
 use crate::capture::{Camera, Projection};
 use crate::render::geometry::{Projector, growth_along, rays_in_world};
 use crate::render::input::RelativeWidth;
@@ -141,21 +139,14 @@ impl<'a> SourceViews<'a> {
         cameras.iter_mut().zip(weights).for_each(|(camera, (_, ranked))| *camera = *ranked);
     }
 
-    /// Which of some cameras, by their places in the list, recorded the surface at inverse depth `w` in pixel `(x, y)` so coarsely that their
-    /// samples count farther away than a block's ring reaches: a mask as in [`NearCameras`].
-    ///
-    /// [`NearCameras`]: crate::render::gather::near_cameras::NearCameras
+    /// Whether what a camera recorded is coarser than a number of pixels of the z-buffer at the surface at inverse depth `w` in pixel
+    /// `(x, y)`, or that lies behind the camera.
     #[inline(always)]
-    pub(super) fn coarse(&self, at: (f32, f32), w: f32, cameras: &[u16]) -> u32 {
-        let is_coarse = |camera: u16| {
-            let view = &self.views[camera as usize];
-            let point = view.source_from_target.point(at.0, at.1, w);
-            let ratio = if view.is_orthographic() { w.recip() } else { point.z.recip() };
-            // From a sample to the end of its footprint half of a recorded pixel; the sample is as far as one away.
-            self.rate(view, ratio) * 2.0 * (RING as f32) < self.subpixels || point.z <= 0.0
-        };
-        let ranked = cameras.iter().enumerate().filter(|(_, camera)| is_coarse(**camera));
-        ranked.fold(0, |mask, (rank, _)| mask | bit_of(rank))
+    pub(super) fn is_coarser(&self, camera: u16, (x, y): (f32, f32), w: f32, pixels: f32) -> bool {
+        let view = &self.views[camera as usize];
+        let point = view.source_from_target.point(x, y, w);
+        let ratio = if view.is_orthographic() { w.recip() } else { point.z.recip() };
+        point.z <= 0.0 || self.rate(view, ratio) * pixels < self.subpixels
     }
 
     /// The pixel of a camera that shows the surface at inverse depth `w` in pixel `(x, y)`; it may be outside the camera's
