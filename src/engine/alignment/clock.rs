@@ -73,26 +73,38 @@ struct FrameWindow {
     after: i64,
 }
 
-/// One camera around one moment.
-struct Moment {
-    /// Views of the frames of the window.
-    views: Vec<ReferenceView>,
-    /// The moment's own among them.
-    own: usize,
-    /// What moves at the moment.
-    moving: Vec<SurfaceSample>,
+impl FrameWindow {
+    fn frames(self) -> std::ops::RangeInclusive<i64> {
+        self.at - self.before..=self.at + self.after
+    }
+
+    fn len(self) -> usize {
+        (self.before + 1 + self.after) as usize
+    }
 }
 
-/// The residuals of one moving sample at every frame that was looked at: distance and brightness; `None` where it is not seen.
-struct Track {
-    residuals: Vec<[Option<f64>; 2]>,
+/// Distance and brightness of a moving sample beside what another camera saw at one frame; NaN where it is not seen.
+type FrameResiduals = [f32; 2];
+
+/// Not seen.
+const UNSEEN: FrameResiduals = [f32::NAN; 2];
+
+/// The residuals of one moving sample at every frame that was looked at.
+#[derive(Clone, Copy)]
+struct Track<'a> {
+    residuals: &'a [FrameResiduals],
     judges: bool,
 }
 
-/// All moving samples of one camera in another one.
+/// All moving samples of one camera that another one sees at some frame.
 struct PairTracks {
     pair: [usize; 2],
-    tracks: Vec<Track>,
+    /// Frames that were looked at.
+    frames: usize,
+    /// By sample, then by frame.
+    residuals: Vec<FrameResiduals>,
+    /// By sample.
+    judges: Vec<bool>,
 }
 
 /// How much later the source of a pair was taken than its target.
@@ -150,8 +162,8 @@ fn first_look_finds_none(problem: &Problem, capture: &Capture, job: &Job) -> Res
     Ok(true)
 }
 
-/// Follows the moving samples of every camera through the frames of some windows in the others. A window that reaches beyond the
-/// capture is left out.
+/// Follows the moving samples of every camera through the frames of some windows of one length in the others. A window that reaches
+/// beyond the capture is left out.
 fn tracks(
     problem: &Problem,
     capture: &Capture,
@@ -159,80 +171,105 @@ fn tracks(
     job: &Job,
 ) -> Result<Vec<PairTracks>> {
     let frames = capture.frame_count() as i64;
-    let mut pairs: Vec<PairTracks> =
-        problem.pairs.iter().map(|pair| PairTracks { pair: *pair, tracks: Vec::new() }).collect();
+    let length = windows.first().map_or(0, |window| window.len());
+    let of_pair = |pair: &[usize; 2]| PairTracks {
+        pair: *pair,
+        frames: length,
+        residuals: Vec::new(),
+        judges: Vec::new(),
+    };
+    let mut pairs: Vec<PairTracks> = problem.pairs.iter().map(of_pair).collect();
+    let cameras = 0..capture.cameras.len();
     for window in windows {
-        if window.at - window.before < 0 || window.at + window.after >= frames {
+        if *window.frames().start() < 0 || *window.frames().end() >= frames {
             continue;
         }
-        let seen = (0..capture.cameras.len()).into_par_iter();
-        let seen = seen.map(|camera| Moment::new(problem, capture, camera, *window, job));
-        let seen: Vec<Moment> = seen.collect::<Result<_>>()?;
-        pairs.par_iter_mut().for_each(|pair| {
-            let [source, target] = pair.pair.map(|camera| &seen[camera]);
-            let gains = pair.pair.map(|camera| problem.log_gains[camera]);
-            pair.tracks.extend(source.tracks_in(target, gains, problem));
+        let moving = cameras.clone().into_par_iter().map(|camera| {
+            job.check()?;
+            moving_samples(problem, capture, camera, *window)
         });
+        let moving: Vec<Vec<SurfaceSample>> = moving.collect::<Result<_>>()?;
+        let room = |&[source, _]: &[usize; 2]| Vec::with_capacity(moving[source].len() * length);
+        let mut by_frame: Vec<Vec<FrameResiduals>> = problem.pairs.iter().map(room).collect();
+        // Of all cameras together, one frame is held at a time.
+        for frame in window.frames() {
+            let targets = cameras.clone().into_par_iter().map(|camera| {
+                job.check()?;
+                let lens = problem.views[camera].camera.clone();
+                Ok(ReferenceView::of_level(lens, &*capture.frame(camera, frame as usize)?, LEVEL))
+            });
+            let targets: Vec<ReferenceView> = targets.collect::<Result<_>>()?;
+            by_frame.par_iter_mut().zip(&problem.pairs).for_each(|(residuals, &[source, target])| {
+                let views = [&problem.views[source], &targets[target]];
+                let poses = views.map(|view| view.camera.world_from_camera);
+                let gains = [source, target].map(|camera| problem.log_gains[camera]);
+                let pair = PairOfViews::new(views, poses, gains, problem.scale, false);
+                residuals.extend(moving[source].iter().map(|sample| residuals_in(&pair, sample)));
+            });
+        }
+        pairs
+            .par_iter_mut()
+            .zip(by_frame)
+            .for_each(|(pair, by_frame)| pair.add(&moving[pair.pair[0]], &by_frame));
     }
     Ok(pairs)
 }
 
-impl Moment {
-    fn new(
-        problem: &Problem,
-        capture: &Capture,
-        camera: usize,
-        window: FrameWindow,
-        job: &Job,
-    ) -> Result<Self> {
-        let FrameWindow { at, before, after } = window;
-        let lens = &problem.views[camera].camera;
-        let view = |frame: i64| {
-            job.check()?;
-            // The outline of what moves tells its delay as well as its texture does.
-            Ok(ReferenceView::without_extent(lens.clone(), capture.frame(camera, frame as usize)?, None))
-        };
-        let views: Vec<ReferenceView> = (at - before..=at + after).map(view).collect::<Result<_>>()?;
-        let own = before as usize;
-        let beside = views[..own].last().into_iter().chain(views.get(own + 1));
-        let still: Vec<_> = beside.map(|other| still_pixels(&views[own].frame, &other.frame)).collect();
-        let moves = |sample: &SurfaceSample| {
-            let (x, y) = (sample.pixel.x as usize, sample.pixel.y as usize);
-            still.iter().any(|still| !still[(x, y)])
-        };
-        // A surface that moves by several pixels is compared with the plane through its pixels: distances from it change most evenly.
-        let flat = |sample: SurfaceSample| SurfaceSample {
-            inverse_depth: sample.inverse_depth + sample.bend.mean,
-            bend: SurfaceBend::default(),
-            ..sample
-        };
-        let moving = surface_samples(&views[own], SAMPLES).into_iter().filter(moves).map(flat).collect();
-        Ok(Self { views, own, moving })
-    }
+/// What moves in a camera at the moment of a window.
+fn moving_samples(
+    problem: &Problem,
+    capture: &Capture,
+    camera: usize,
+    window: FrameWindow,
+) -> Result<Vec<SurfaceSample>> {
+    let own = capture.frame(camera, window.at as usize)?;
+    let beside = [window.at - 1, window.at + 1].into_iter().filter(|frame| window.frames().contains(frame));
+    let still = beside.map(|frame| Ok(still_pixels(&own, &*capture.frame(camera, frame as usize)?)));
+    let still: Vec<_> = still.collect::<Result<_>>()?;
+    let moves = |sample: &SurfaceSample| {
+        let (x, y) = (sample.pixel.x as usize, sample.pixel.y as usize);
+        still.iter().any(|still| !still[(x, y)])
+    };
+    // A surface that moves by several pixels is compared with the plane through its pixels: distances from it change most evenly.
+    let flat = |sample: SurfaceSample| SurfaceSample {
+        inverse_depth: sample.inverse_depth + sample.bend.mean,
+        bend: SurfaceBend::default(),
+        ..sample
+    };
+    // The outline of what moves tells its delay as well as its texture does.
+    let view = ReferenceView::without_extent(problem.views[camera].camera.clone(), own, None);
+    let mut moving: Vec<_> = surface_samples(&view, SAMPLES).into_iter().filter(moves).map(flat).collect();
+    // They are in the memory of all that were searched.
+    moving.shrink_to_fit();
+    Ok(moving)
+}
 
-    fn tracks_in(&self, target: &Self, gains: [f64; 2], problem: &Problem) -> Vec<Track> {
-        let source = &self.views[self.own];
-        let pairs: Vec<PairOfViews<'_>> = target
-            .views
-            .iter()
-            .map(|view| {
-                let poses = [source, view].map(|view| view.camera.world_from_camera);
-                PairOfViews::new([source, view], poses, gains, problem.scale, false)
-            })
-            .collect();
-        let track = |sample: &SurfaceSample| {
-            let seen = |pair: &PairOfViews<'_>| {
-                let terms = pair.terms(sample, LEVEL, GATE);
-                terms
-                    .map_or([None; 2], |terms| [terms.distance, terms.color].map(|term| Some(term?.residual)))
-            };
-            Track { residuals: pairs.iter().map(seen).collect(), judges: sample.judges }
-        };
-        self.moving.iter().map(track).collect()
-    }
+/// What is between a moving sample and what another camera saw.
+fn residuals_in(pair: &PairOfViews<'_>, sample: &SurfaceSample) -> FrameResiduals {
+    pair.terms(sample, LEVEL, GATE).map_or(UNSEEN, |terms| {
+        [terms.distance, terms.color].map(|term| term.map_or(f32::NAN, |term| term.residual as f32))
+    })
 }
 
 impl PairTracks {
+    /// Adds those of some moving samples of the source that are seen at any frame. Their residuals are given by frame, then by sample.
+    fn add(&mut self, moving: &[SurfaceSample], by_frame: &[FrameResiduals]) {
+        for (at, sample) in moving.iter().enumerate() {
+            let of_sample = by_frame[at..].iter().step_by(moving.len());
+            if of_sample.clone().flatten().any(|residual| !residual.is_nan()) {
+                self.residuals.extend(of_sample);
+                self.judges.push(sample.judges);
+            }
+        }
+        // There are many pairs, and nearly half of what a list grows to is empty.
+        self.residuals.shrink_to_fit();
+    }
+
+    fn tracks(&self) -> impl Iterator<Item = Track<'_>> {
+        let residuals = self.residuals.chunks_exact(self.frames);
+        residuals.zip(&self.judges).map(|(residuals, judges)| Track { residuals, judges: *judges })
+    }
+
     /// How late the source is beside the target's frame `offset` after its own. The first residual is of the frame `reach` before it.
     /// `None` where too little moves.
     fn difference_beside(&self, offset: i64, reach: i64) -> Option<PairDelay> {
@@ -245,10 +282,10 @@ impl PairTracks {
     fn difference(&self, now: usize, [from, to]: [usize; 2]) -> Option<PairDelay> {
         let (mut products, mut squares, mut counted) = (0.0, 0.0, 0);
         for kind in [0, 1] {
-            let fitting = self.tracks.iter().filter(|track| !track.judges);
+            let fitting = self.tracks().filter(|track| !track.judges);
             let moving: Vec<[f64; 2]> = fitting
                 .filter_map(|track| {
-                    let [before, now, after] = [from, now, to].map(|at| track.residuals[at][kind]);
+                    let [before, now, after] = [from, now, to].map(|at| track.residual(at, kind));
                     let rate = (after? - before?) / (to - from) as f64;
                     (rate.abs() > LEAST_RATES[kind]).then_some([now?, rate])
                 })
@@ -275,19 +312,24 @@ impl PairTracks {
 
     /// Mean loss of the samples that fit, beside the target's frame `offset` after the source's own.
     fn loss(&self, offset: i64, reach: i64) -> f64 {
-        let fitting = self.tracks.iter().filter(|track| !track.judges);
-        let losses: Vec<f64> = fitting.filter_map(|track| track.loss((reach + offset) as usize)).collect();
+        let fitting = self.tracks().filter(|track| !track.judges);
+        let losses: Vec<f64> = fitting.map(|track| track.loss((reach + offset) as usize)).collect();
         losses.iter().sum::<f64>() / losses.len().max(1) as f64
     }
 }
 
-impl Track {
-    /// From 0 to 2; `None` where the sample is seen beside no frame at all.
-    fn loss(&self, at: usize) -> Option<f64> {
-        self.residuals.iter().flatten().flatten().next()?;
+impl Track<'_> {
+    /// The distance of the sample, or its brightness, beside the target's frame at a place in the window; `None` where it is not seen.
+    fn residual(self, at: usize, kind: usize) -> Option<f64> {
+        let residual = self.residuals[at][kind];
+        (!residual.is_nan()).then_some(f64::from(residual))
+    }
+
+    /// From 0 to 2.
+    fn loss(self, at: usize) -> f64 {
         let wide = [GATE / TUKEY, 0.1];
-        let of = |kind: usize| self.residuals[at][kind].map_or(1.0, |off| loss(off, wide[kind]));
-        Some(of(0) + of(1))
+        let of = |kind: usize| self.residual(at, kind).map_or(1.0, |off| loss(off, wide[kind]));
+        of(0) + of(1)
     }
 }
 
@@ -363,7 +405,8 @@ fn solved(found: &[([usize; 2], PairDelay)], cameras: usize) -> Vec<ClockCorrect
 /// Judges one camera's whole frames by the samples that took no part in finding them. The other cameras have theirs.
 fn judged(camera: usize, shifts: &[i64], pairs: &[PairTracks], reach: i64) -> Judgment {
     let mut losses = Vec::new();
-    for PairTracks { pair, tracks } in pairs.iter().filter(|pair| pair.pair.contains(&camera)) {
+    for of_pair in pairs.iter().filter(|pair| pair.pair.contains(&camera)) {
+        let pair = of_pair.pair;
         let [source, target] = pair.map(|index| shifts[index]);
         let [source_before, target_before] =
             pair.map(|index| if index == camera { 0 } else { shifts[index] });
@@ -372,9 +415,8 @@ fn judged(camera: usize, shifts: &[i64], pairs: &[PairTracks], reach: i64) -> Ju
         let Some((before, now)) = at(source_before - target_before).zip(at(source - target)) else {
             continue;
         };
-        for track in tracks.iter().filter(|track| track.judges) {
-            losses.extend(track.loss(before).zip(track.loss(now)).map(|(before, now)| [before, now]));
-        }
+        let judging = of_pair.tracks().filter(|track| track.judges);
+        losses.extend(judging.map(|track| [track.loss(before), track.loss(now)]));
     }
     Judgment::of(&losses)
 }

@@ -73,14 +73,23 @@ impl ReferenceView {
     pub(crate) fn without_extent(camera: Camera, frame: Arc<Frame>, other: Option<&Frame>) -> Self {
         let frame = without_normals(frame);
         let is_still = other.map(|other| still_pixels(&frame, other));
-        let (width, height) = frame.size();
-        let finest = frame.color.as_slice().iter().copied().map(brightness_of).collect();
-        let mut levels = vec![Grid::from_vec(width, height, finest)];
-        while levels.len() < LEVELS {
-            let coarser = halved(&levels[levels.len() - 1]);
-            levels.push(coarser);
-        }
-        Self { camera, frame, brightness: levels, pure_levels: None, measured_levels: None, is_still }
+        let brightness = brightness_levels(&frame, LEVELS);
+        Self { camera, frame, brightness, pure_levels: None, measured_levels: None, is_still }
+    }
+
+    /// A view with the depth of a frame and brightness at one resolution alone, for residuals at that resolution.
+    pub(crate) fn of_level(camera: Camera, frame: &Frame, level: usize) -> Self {
+        let mut brightness = brightness_levels(frame, level + 1);
+        brightness[..level].fill_with(|| Grid::filled(0, 0, 0.0));
+        let frame = Frame {
+            color: Grid::filled(0, 0, [half::f16::ZERO; 3]),
+            inverse_depth: frame.inverse_depth.clone(),
+            normal_in_world: None,
+            depth_step_relative: frame.depth_step_relative,
+            values: Values::default(),
+        };
+        let frame = Arc::new(frame);
+        Self { camera, frame, brightness, pure_levels: None, measured_levels: None, is_still: None }
     }
 
     /// Lets colors count whatever is beside a surface, as long as it has depth.
@@ -182,6 +191,18 @@ pub(crate) fn still_pixels(frame: &Frame, other: &Frame) -> Grid<bool> {
 
 fn brightness_of(color: [half::f16; 3]) -> f32 {
     brightness(color.map(f32::from))
+}
+
+/// The brightness of a frame at some resolutions, the finest first.
+fn brightness_levels(frame: &Frame, count: usize) -> Vec<Grid<f32>> {
+    let (width, height) = frame.size();
+    let finest = frame.color.as_slice().iter().copied().map(brightness_of).collect();
+    let mut levels = vec![Grid::from_vec(width, height, finest)];
+    while levels.len() < count {
+        let coarser = halved(&levels[levels.len() - 1]);
+        levels.push(coarser);
+    }
+    levels
 }
 
 /// The mean of every 2×2 pixels; a last odd column or row is left out.
