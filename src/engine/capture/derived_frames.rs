@@ -62,6 +62,10 @@ where
         self.original.source.pose_convention()
     }
 
+    fn forget_frames(&self) {
+        self.original.forget_frames();
+    }
+
     fn files(&self, camera: usize, frame: usize) -> Vec<PathBuf> {
         let read = (self.read)(camera, frame).into_iter();
         read.flat_map(|index| self.original.files_of(camera, index)).collect()

@@ -81,6 +81,11 @@ impl FrameCache {
         Self { cache: Cache::with_weighter(EXPECTED_IN_ONE_PIECE, capacity_bytes as u64, FrameBytes) }
     }
 
+    /// Lets go of all frames.
+    pub(super) fn clear(&self) {
+        self.cache.clear();
+    }
+
     /// The frame from the cache, or decoded by `load` and kept where it fits.
     ///
     /// # Errors

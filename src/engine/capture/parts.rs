@@ -68,6 +68,9 @@ pub trait FrameSource: Send + Sync {
         PoseConvention::default()
     }
 
+    /// Lets go of what it holds of frames, beside the capture's own cache.
+    fn forget_frames(&self) {}
+
     /// The files that the frame is read from; none where it is rendered.
     fn files(&self, _camera: usize, _frame: usize) -> Vec<PathBuf> {
         Vec::new()
@@ -162,6 +165,12 @@ impl Capture {
             return Err(Error::invalid(self.place(camera, frame), what));
         }
         Ok(loaded)
+    }
+
+    /// Lets go of all decoded frames, for work that needs the memory and few of them. They are decoded again when they are asked for.
+    pub(crate) fn forget_frames(&self) {
+        self.cache.clear();
+        self.source.forget_frames();
     }
 
     /// Pixels of a frame that are no samples because they are transparent, as [`FrameSource::transparent_pixels`].

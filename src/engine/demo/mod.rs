@@ -216,7 +216,7 @@ impl Demo {
             warnings: Vec::new(),
             source: Arc::new(self.clone()),
         };
-        Capture::new(parts, settings.memory as usize * 1024 * 1024)
+        Capture::new(parts, settings.frame_cache_bytes())
     }
 
     /// Vantages without a camera, with truth: three, each at up to five frames spread over the animation.

@@ -39,6 +39,13 @@ section! {
     }
 }
 
+impl CaptureSettings {
+    /// Bytes of decoded frames that a capture keeps: half of the memory, as the other half is needed by what is made of them.
+    pub(crate) fn frame_cache_bytes(&self) -> usize {
+        (self.memory as usize) << 19
+    }
+}
+
 section! {
     /// What the rig got wrong, corrected before anything else.
     pub struct AlignSettings in "align" {

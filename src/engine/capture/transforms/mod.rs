@@ -162,7 +162,7 @@ fn open_manifest(
             warnings,
             source: source.clone(),
         },
-        settings.memory as usize * 1024 * 1024,
+        settings.frame_cache_bytes(),
     );
     depth_presence::refuse_without_depth(&capture, &source)?;
     Ok(match exposure::warning(&capture, &source) {

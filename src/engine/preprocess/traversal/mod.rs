@@ -83,6 +83,10 @@ fn prune_recording(
         None => OverlapGraph::complete(&capture.cameras),
     };
     let mut window = LayerWindow::new(recording, &pairs);
+    if !window.holds_all {
+        // What the frames hold is in the scan, and memory is short.
+        capture.forget_frames();
+    }
     let statuses = recording.no_statuses();
     let is_known = settings.pruning.agreement == AgreementRule::Off || capture.is_noise_free();
     let measured = if is_known { 0 } else { count };
