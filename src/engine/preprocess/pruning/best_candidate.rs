@@ -130,6 +130,7 @@ pub(crate) fn compare_runs(
     for (run, compared) in undecided.iter().zip(&mut *compared) {
         compared.relevant = run.best.relevant(target, other.camera, &compared.reprojected);
         if any(&compared.relevant) {
+            compared.reprojected.read_only(&compared.relevant);
             compared.reprojected.prefetch(target);
         }
     }
@@ -212,7 +213,7 @@ impl BestCandidates {
         for i in 0..LANES {
             let better = is_better(ranks[i], camera, self.rank[i], self.camera[i]);
             let in_view = reprojected.bits[i] & IN_VIEW != 0;
-            relevant[i] = u32::from(in_view & (better | (self.seen[i] == 0)));
+            relevant[i] = u32::from(in_view & (ranks[i] < ABSENT_RANK) & (better | (self.seen[i] == 0)));
         }
         relevant
     }
@@ -245,7 +246,7 @@ impl BestCandidates {
         let name = other.camera as u32;
         let mut improved = 0;
         for i in 0..LANES {
-            let shows = matches.is_same(i);
+            let shows = matches.is_same(i) & (relevant[i] != 0);
             let same = shows & (may_be_witness[i] != 0);
             let beats_own = is_better(ranks[i], name, self.own_rank[i], self.own_camera);
             self.passed_over[i] |= u32::from(shows & !same & beats_own);

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::decision::{Candidate, LevelVerdicts, Rule, Verdict, may_be_witness};
+use super::decision::{Candidate, LevelVerdicts, Rule, Verdict, is_better, may_be_witness};
 use super::pass::{DROPPED, KEPT, PruningPass, UNDECIDED};
 use crate::capture::overlap::Registration;
 use crate::error::Result;
@@ -348,25 +348,28 @@ fn candidates<'a>(
     index: usize,
     targets: &'a [usize],
 ) -> impl Iterator<Item = Candidate> + use<'a> {
-    let (rank, pixel, level) = (samples.ranks[index], samples.pixels[index], samples.level);
-    let sample = Candidate { rank, camera: camera as u16, pixel, level };
+    let rank = samples.ranks[index];
     let point = PixelRun::<1>::of_sample(samples, index);
-    let mut better = Vec::new();
+    // All are reprojected before any rank is read, so that many fetches from memory are under way at once.
+    let mut seen = Vec::with_capacity(targets.len());
     for (other, registration) in pass.pairs.others_among(camera, targets) {
         let target = &pass.layers[other];
-        if target.geometry.is_empty() {
-            continue;
-        }
         let reprojected = registration.reproject(&point, target.width);
-        if reprojected.bits[0] & IN_VIEW == 0 {
+        if !target.geometry.is_empty() && reprojected.bits[0] & IN_VIEW != 0 {
+            simd::prefetch(&target.ranks, reprojected.pixel[0] as usize);
+            seen.push((other, registration, reprojected.pixel[0]));
+        }
+    }
+    let mut better = Vec::new();
+    for (other, registration, pixel) in seen {
+        let target = &pass.layers[other];
+        if !is_better(target.ranks[pixel as usize], other as u32, rank, camera as u32) {
             continue;
         }
-        let candidate = Candidate::new(target, other, reprojected.pixel[0]);
+        let candidate = Candidate::new(target, other, pixel);
         let status = pass.status(other, candidate.pixel);
         let is_own_level = candidate.level == pass.level && status != DROPPED;
-        if may_be_witness(is_own_level, status == KEPT, pass.settings.pruning.across_spans)
-            && candidate.is_better_than(&sample)
-        {
+        if may_be_witness(is_own_level, status == KEPT, pass.settings.pruning.across_spans) {
             better.push((candidate, registration));
         }
     }

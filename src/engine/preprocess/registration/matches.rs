@@ -79,6 +79,16 @@ impl<const N: usize> SurfaceMatches<N> {
         self.bits[lane] & SAME == SAME
     }
 
+    /// Whether any of the `relevant` samples meets a condition.
+    #[inline(always)]
+    pub(super) fn any(&self, relevant: [u32; N], condition: u32) -> bool {
+        let mut any = 0;
+        for i in 0..N {
+            any |= if relevant[i] == 0 { 0 } else { self.bits[i] & condition };
+        }
+        any != 0
+    }
+
     /// The first condition that is not met.
     pub(crate) fn outcome(&self, lane: usize) -> Outcome {
         let bits = self.bits[lane];

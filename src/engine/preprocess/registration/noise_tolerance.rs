@@ -205,6 +205,12 @@ impl SurfaceTolerances {
         }
     }
 
+    /// Whether normals, colors, values and the pixels around a point do not matter.
+    #[inline(always)]
+    pub(super) fn are_of_geometry(&self) -> bool {
+        self.normal_cosine == f32::NEG_INFINITY
+    }
+
     /// These, whatever normals and colors are, and at pixels alone.
     pub(super) fn geometry_alone(self) -> Self {
         let Self { depth_sigmas, between_sigmas, .. } = self;

@@ -67,6 +67,18 @@ impl<const N: usize> ReprojectedRun<N> {
         }
     }
 
+    /// Lets lanes that are not `relevant` read what a relevant one reads, so that no memory is fetched for them.
+    #[inline(always)]
+    pub(crate) fn read_only(&mut self, relevant: &[u32; N]) {
+        let mut pixel = 0;
+        for i in 0..N {
+            pixel = if relevant[i] == 0 { pixel } else { self.pixel[i] };
+        }
+        for i in 0..N {
+            self.pixel[i] = if relevant[i] == 0 { pixel } else { self.pixel[i] };
+        }
+    }
+
     /// Asks for what the target saw there to be fetched.
     #[inline(always)]
     pub(crate) fn prefetch(&self, target: &CameraLayer) {

@@ -17,7 +17,7 @@
 
 use super::matches::{
     COLOR_AGREES, HAS_DEPTH, IN_FRONT, IN_VIEW, NEARER, NORMAL_AGREES, ON_SURFACE, Outcome,
-    RequiredTolerances, SurfaceMatches, VALUES_AGREE,
+    RequiredTolerances, SURROUNDED, SurfaceMatches, VALUES_AGREE,
 };
 use super::noise_tolerance::{
     ColorNoise, FoundSurfaces, SurfaceTolerances, VisibleLevels, depth_noise_between, granted_depth_noise,
@@ -224,6 +224,13 @@ impl SameSurface {
                 required,
             );
         }
+        if !MEASURING && limits.are_of_geometry() {
+            self.look_at_levels(target_run, &mut matches);
+            return matches;
+        }
+        if !MEASURING && !self.visible.hides_any && !matches.any(relevant, ON_SURFACE) {
+            return matches;
+        }
         self.compare_colors::<N, MEASURING>(source_run, target_run, relevant, &mut matches, required);
         if self.tolerances.values && !target.values.is_empty() {
             compare_values(source_run, target_run, &mut matches);
@@ -305,6 +312,21 @@ impl SameSurface {
                 | if there * qz > w { NEARER } else { 0 }
                 | if facing { NORMAL_AGREES } else { 0 }
                 | VALUES_AGREE;
+        }
+    }
+
+    /// What is left to ask where neither colors nor normals nor the pixels around count: whether the target's samples take part.
+    #[inline(always)]
+    fn look_at_levels<const N: usize>(
+        &self,
+        TargetRun { layer: target, reprojected }: TargetRun<'_, N>,
+        matches: &mut SurfaceMatches<N>,
+    ) {
+        for i in 0..N {
+            let level = u32::from(target.level[reprojected.pixel[i] as usize]);
+            matches.bits[i] &= if level <= self.visible.deepest { u32::MAX } else { !HAS_DEPTH };
+            matches.bits[i] |= COLOR_AGREES | NORMAL_AGREES | SURROUNDED;
+            matches.level[i] = level;
         }
     }
 
@@ -405,4 +427,57 @@ fn yields<const N: usize>(
 #[inline(always)]
 pub(super) fn needed(distance: f32, step: f32, between: f32, footprint: f32) -> f32 {
     if distance <= between + step { 0.0 } else { (distance - step) / footprint }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::overlap::OverlapGraph;
+    use crate::demo::{Demo, DemoSpec};
+    use crate::job::Job;
+    use crate::preprocess::pruning::{rated, static_layers};
+    use crate::preprocess::temporal::ROOT;
+    use crate::settings::CaptureSettings;
+    use crate::simd::LANES;
+
+    #[test]
+    fn what_is_decided_before_colors_are_read_is_decided_as_by_the_whole_comparison() {
+        let (settings, job) = (Settings::default(), Job::new());
+        let spec = DemoSpec::new("orrery").cameras(3).frames(1).size((64, 48));
+        let capture = Demo::new(&spec).unwrap().capture(&CaptureSettings::default());
+        let scan = crate::preprocess::scan(&capture, &settings, &job).unwrap();
+        let layers = static_layers(&capture, &scan, &settings, &job).unwrap();
+        let layers = rated(&capture, layers, &settings, &job).unwrap();
+        let pairs = OverlapGraph::complete(&capture.cameras);
+        let [mut beside_surfaces, mut on_surfaces] = [0; 2];
+        for limits in [
+            SameSurface::new(&settings).with_deeper(false),
+            SameSurface::geometry_of(&settings).at_level(ROOT),
+        ] {
+            for (row, column) in (0..48).flat_map(|row| (0..64).step_by(LANES).map(move |at| (row, at))) {
+                let run = PixelRun::<LANES>::new(&layers[0], column, row, u32::MAX);
+                for (other, way) in pairs.others(0) {
+                    let reprojected = way.reproject(&run, layers[other].width);
+                    let relevant = reprojected.bits.map(|bits| u32::from(bits & IN_VIEW != 0));
+                    let source = SourceRun::of_layer(&layers[0], &run);
+                    let target = TargetRun { layer: &layers[other], reprojected: &reprojected };
+                    let found = limits.compare(way, source, target, relevant);
+                    let mut required = RequiredTolerances::new(0.0);
+                    let whole =
+                        limits.compare_measuring::<LANES, true>(way, source, target, relevant, &mut required);
+                    for lane in (0..LANES).filter(|lane| relevant[*lane] != 0) {
+                        assert_eq!(found.outcome(lane), whole.outcome(lane), "{row}, {column} + {lane}");
+                    }
+                    let is_beside = !whole.any(relevant, ON_SURFACE);
+                    beside_surfaces += usize::from(is_beside);
+                    on_surfaces += usize::from(!is_beside);
+                    if limits.tolerances.are_of_geometry() {
+                        let read = |lane: &usize| relevant[*lane] != 0;
+                        assert!((0..LANES).filter(read).all(|lane| found.level[lane] == whole.level[lane]));
+                    }
+                }
+            }
+        }
+        assert!(beside_surfaces > 20 && on_surfaces > 100, "{beside_surfaces}, {on_surfaces}");
+    }
 }
