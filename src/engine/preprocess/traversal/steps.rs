@@ -157,6 +157,10 @@ impl SpanStep<'_, '_> {
             let pieces =
                 if in_parts { vec![group.cameras.clone()] } else { self.pieces(&group.cameras, |_| 0) };
             for cameras in pieces {
+                if in_parts {
+                    // Samples take the memory of the layers that are given up here.
+                    self.hold(&group.parts[0], true)?;
+                }
                 let samples = self.samples(&cameras)?;
                 let searches = cameras.iter().zip(&samples);
                 let mut searches: Vec<Search<'_>> =
