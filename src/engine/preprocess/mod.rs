@@ -29,8 +29,8 @@ pub mod temporal;
 mod traversal;
 
 pub(crate) use layers::{Rate, ViewingRays, footprint};
+pub use prepared_scan::PreparedScan;
 pub(crate) use prepared_scan::better_conventions;
-pub use prepared_scan::{PreparedScan, edited_cache_bytes};
 pub use sample_votes::votes_on;
 pub(crate) use traversal::{KeptSamples, prune_run};
 

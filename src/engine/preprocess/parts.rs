@@ -45,8 +45,8 @@ use super::temporal::{
     SpanStore, SpanSums, Split, StaticTest, TemporalScan, scan_run,
 };
 use super::{
-    BufferedResult, KeptSamples, PreparedScan, aligned_settings, better_conventions, cut_by_hand,
-    edited_cache_bytes, prune_run, sample_set,
+    BufferedResult, KeptSamples, PreparedScan, aligned_settings, better_conventions, cut_by_hand, prune_run,
+    sample_set,
 };
 use crate::alignment::{self, Aligned, Alignment, CaptureCorrection};
 use crate::capture::conventions::Finding;
@@ -113,8 +113,11 @@ impl MeasuredCapture<'_> {
     /// The same without the pixels that edits remove.
     fn edited(&self) -> Aligned {
         let aligned = self.aligned();
-        let capture =
-            edits::without_removed_pixels(&aligned.capture, self.edits, edited_cache_bytes(self.settings));
+        let capture = edits::without_removed_pixels(
+            &aligned.capture,
+            self.edits,
+            self.settings.capture.edited_cache_bytes(),
+        );
         Aligned { capture, ..aligned }
     }
 
@@ -140,7 +143,7 @@ impl Measured {
         let noted = noting_frames_read(capture, frames_read.clone());
         let Aligned { capture, alignment, correction } = alignment::align(&noted, &settings.align, job)?;
         let conventions = better_conventions(&noted, &correction)?;
-        let capture = edits::without_removed_pixels(&capture, edits, edited_cache_bytes(settings));
+        let capture = edits::without_removed_pixels(&capture, edits, settings.capture.edited_cache_bytes());
         job.start("Measuring noise", capture.cameras.len());
         let preview = |camera| {
             let preview = temporal::preview(&capture, camera, settings, job);

@@ -22,15 +22,6 @@ use crate::settings::{
     SpanSettings,
 };
 
-/// Frames without the pixels that edits remove are kept in this share of the memory setting.
-const EDITED_SHARE: usize = 4;
-
-/// Bytes of frames without the pixels that edits remove that are kept.
-#[must_use]
-pub fn edited_cache_bytes(settings: &Settings) -> usize {
-    settings.capture.memory as usize * (1 << 20) / EDITED_SHARE
-}
-
 /// The pass over all frames of one capture, with the last results made from it.
 #[derive(Debug)]
 pub struct PreparedScan {
@@ -87,7 +78,7 @@ impl PreparedScan {
         let frames = 0..aligned.capture.frame_count();
         let removed = edits::count_removed_pixels(&aligned.capture, edits, frames, job)?;
         aligned.capture =
-            edits::without_removed_pixels(&aligned.capture, edits, edited_cache_bytes(settings));
+            edits::without_removed_pixels(&aligned.capture, edits, settings.capture.edited_cache_bytes());
         let scan = temporal::scan(&aligned.capture, settings, job)?;
         let scanned = Self::of(scan, aligned, conventions, &settings.align);
         Ok(Self { removed_pixels: removed, ..scanned })

@@ -176,7 +176,7 @@ fn at_place(error: std::io::Error) -> Error {
 /// Bytes of the memory setting that samples take, before pruning and after, until they go to a temporary file.
 pub(crate) fn samples_in_memory(settings: &Settings) -> usize {
     const SHARE: usize = 16;
-    ((settings.capture.memory as usize) << 20) / SHARE
+    settings.capture.memory_bytes() / SHARE
 }
 
 /// What is read from anywhere.

@@ -40,9 +40,20 @@ section! {
 }
 
 impl CaptureSettings {
+    /// The memory, bytes.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        (self.memory as usize) << 20
+    }
+
     /// Bytes of decoded frames that a capture keeps: half of the memory, as the other half is needed by what is made of them.
     pub(crate) fn frame_cache_bytes(&self) -> usize {
-        (self.memory as usize) << 19
+        self.memory_bytes() / 2
+    }
+
+    /// Bytes of frames without the pixels that edits remove that are kept.
+    #[must_use]
+    pub fn edited_cache_bytes(&self) -> usize {
+        self.memory_bytes() / 4
     }
 }
 

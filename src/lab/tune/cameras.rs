@@ -43,7 +43,7 @@ pub fn rank_cameras(
     let capture = &edits::without_removed_pixels(
         &aligned.capture,
         &plan.edits,
-        preprocess::edited_cache_bytes(&plan.settings),
+        plan.settings.capture.edited_cache_bytes(),
     );
     // All cameras together corrected the rig; fewer must not correct it again.
     let settings = Settings { align: AlignSettings::OFF, ..plan.settings.clone() };

@@ -108,7 +108,7 @@ impl EditsArgs {
     pub(crate) fn open_capture(&self, path: &Path, settings: &CaptureSettings) -> Result<Capture> {
         let edits = self.list()?;
         let capture = open_capture(path, settings)?;
-        edited_capture(&capture, &edits, settings.memory as usize * (1 << 20) / 4)
+        edited_capture(&capture, &edits, settings.edited_cache_bytes())
     }
 
     /// Refuses to write over the list.

@@ -145,7 +145,7 @@ impl FrameLayers {
 
 /// Bytes that the lists may take: half of the memory setting.
 fn lists_bound(settings: &Settings) -> usize {
-    (settings.capture.memory as usize) << 19
+    settings.capture.memory_bytes() / 2
 }
 
 impl CachedLists {

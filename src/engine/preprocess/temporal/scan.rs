@@ -159,7 +159,7 @@ fn scan_cameras(
 fn batch_size(capture: &Capture, camera: usize, settings: &Settings) -> usize {
     let pixel_bytes = if capture.has_normals { 22 } else { 10 } + 4 * capture.value_channels().len();
     let frame_bytes = capture.cameras[camera].intrinsics.pixel_count().max(1) * pixel_bytes;
-    let affordable = ((settings.capture.memory as usize) << 20) / 4 / SIDE_BY_SIDE / (2 * frame_bytes);
+    let affordable = settings.capture.memory_bytes() / 4 / SIDE_BY_SIDE / (2 * frame_bytes);
     BATCH.min(1 << affordable.max(1).ilog2())
 }
 

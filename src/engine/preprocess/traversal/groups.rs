@@ -121,7 +121,7 @@ impl<'a> Recording<'a> {
     pub(super) fn new(capture: &'a Capture, scan: &'a TemporalScan, settings: &'a Settings) -> Self {
         // Whether each sample is kept is held of all cameras.
         let statuses: usize = capture.cameras.iter().map(|camera| camera.intrinsics.pixel_count()).sum();
-        let share = ((settings.capture.memory as usize) << 20) / SHARE.1 * SHARE.0;
+        let share = settings.capture.memory_bytes() / SHARE.1 * SHARE.0;
         Self { capture, scan, settings, bound: share.saturating_sub(statuses) }
     }
 
