@@ -112,12 +112,17 @@ mod tests {
     use super::*;
     use crate::grid::Grid;
     use glam::DVec3;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// Frames of one pixel whose inverse depth is their number, each in a file of its own.
-    struct Numbered;
+    /// Frames of one pixel whose inverse depth is their number, each in a file of its own. Counts those that were decoded.
+    #[derive(Default)]
+    struct Numbered {
+        decoded: AtomicUsize,
+    }
 
     impl FrameSource for Numbered {
         fn load(&self, camera: usize, frame: usize) -> Result<Frame> {
+            self.decoded.fetch_add(1, Ordering::Relaxed);
             Ok(Frame {
                 color: Grid::filled(1, 1, [half::f16::ONE; 3]),
                 inverse_depth: Grid::filled(1, 1, (10 * camera + frame) as f32),
@@ -140,7 +145,8 @@ mod tests {
         }
     }
 
-    fn numbered() -> Capture {
+    fn numbered() -> (Capture, Arc<Numbered>) {
+        let source = Arc::new(Numbered::default());
         let lens = Intrinsics::from_horizontal_angle(1, 1, 1.0);
         let camera = |name: &str| Camera::look_at(name, lens, DVec3::ZERO, DVec3::Y, DVec3::Z);
         let parts = CaptureParts {
@@ -151,15 +157,15 @@ mod tests {
             has_normals: false,
             antialiased_color: false,
             warnings: Vec::new(),
-            source: Arc::new(Numbered),
+            source: source.clone(),
         };
-        Capture::new(parts, 1 << 20)
+        (Capture::new(parts, 1 << 20), source)
     }
 
     #[test]
     fn a_derived_capture_names_the_files_and_places_of_the_frames_that_its_own_are_made_of() {
         // One camera is left out: the derived capture's second camera is the recording's third.
-        let capture = numbered().with_cameras(|index, _| index != 1);
+        let capture = numbered().0.with_cameras(|index, _| index != 1);
         let sum = |_: usize, _: usize, read: &[Arc<Frame>]| {
             let sum = read.iter().map(|frame| frame.inverse_depth[(0, 0)]).sum();
             Frame { inverse_depth: Grid::filled(1, 1, sum), ..Frame::clone(&read[0]) }
@@ -173,5 +179,18 @@ mod tests {
         assert_eq!(reversed.frame(0, 3).unwrap().inverse_depth[(0, 0)], 0.0 + 3.0);
         assert_eq!(reversed.files_of(0, 3), ["c0/0.exr", "c0/3.exr"].map(PathBuf::from));
         assert_eq!(reversed.picture_stem(0, 3).as_deref(), Some("0"));
+    }
+
+    #[test]
+    fn frames_that_are_forgotten_are_decoded_again_those_that_others_are_made_of_too() {
+        let (capture, source) = numbered();
+        let derived = with_reindexed_frames(&capture, 1 << 20, |_, frame| 3 - frame);
+        let decoded_after = |camera| {
+            assert_eq!(derived.frame(camera, 1).unwrap().inverse_depth[(0, 0)], (10 * camera + 2) as f32);
+            source.decoded.load(Ordering::Relaxed)
+        };
+        assert_eq!([decoded_after(0), decoded_after(0), decoded_after(1)], [1, 1, 2]);
+        derived.forget_frames();
+        assert_eq!([decoded_after(0), decoded_after(0), decoded_after(1)], [3, 3, 4]);
     }
 }

@@ -4,7 +4,7 @@ use image::RgbaImage;
 
 use super::color_bar::{Strip, strip_look};
 use super::svg::{Anchor, Svg};
-use super::type_metrics::text_width;
+use super::type_metrics::{check_letters, text_width};
 use overlook_engine::error::Result;
 use overlook_engine::render::Picture;
 use overlook_engine::render::output::with_below;
@@ -32,8 +32,9 @@ impl SideNames {
     /// For below pictures of so many columns. Names that are too long end in an ellipsis.
     ///
     /// # Errors
-    /// As [`Chart::png`](super::Chart::png).
+    /// `Invalid` where its typeface lacks a letter; else as [`Chart::png`](super::Chart::png).
     pub fn new(names: &[String; 2], columns: usize) -> Result<Self> {
+        names.iter().try_for_each(|name| check_letters(name, "names of the sides", "rename the file"))?;
         let [both, first, second] = SHOWN.map(|shown| strip(names, columns, shown));
         Ok(Self { strips: [both?, first?, second?] })
     }
@@ -114,5 +115,11 @@ mod tests {
         let long = "the quite long name of a store with everything in it".to_owned();
         let names = SideNames::new(&[long.clone(), long], 320).unwrap();
         assert_eq!(darkest(&names.strips[0], 154..166), 255);
+    }
+
+    #[test]
+    fn a_name_with_a_letter_that_the_typeface_lacks_is_refused() {
+        let said = SideNames::new(&["kept".to_owned(), "全部".to_owned()], 320).unwrap_err().to_string();
+        assert!(said.contains("no letter '全' (U+5168)") && said.contains("rename the file"), "{said}");
     }
 }
