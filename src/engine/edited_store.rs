@@ -64,7 +64,7 @@ pub fn edit_store(
         Some(capture) => Some(votes_on(&images, &set.cameras, capture, job)?),
         None => None,
     };
-    let left = edits::cut(&images, &set, edits, votes.as_ref(), &place, job)?;
+    let left = edits::cut(&images, None, &set, edits, votes.as_ref(), &place, job)?;
     edits::refuse_nothing(set.sample_count() > 0, &left.images, &place)?;
     if left.is_changed {
         let cut = CutByHand {

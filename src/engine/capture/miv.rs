@@ -105,11 +105,6 @@ impl SequenceCamera {
     }
 }
 
-/// Our camera space (x right, y down, z forward) in that of a sequence: x forward, y left, z up.
-fn sequence_from_camera() -> DMat3 {
-    DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X)
-}
-
 /// World from our camera space. `offset` is that of the sequence.
 ///
 /// # Errors
@@ -123,7 +118,9 @@ pub(crate) fn pose(camera: &SequenceCamera, offset: Option<[f64; 3]>, place: &st
         return Err(Error::invalid(place, what));
     }
     let turned = DMat3::from_rotation_z(yaw) * DMat3::from_rotation_y(pitch) * DMat3::from_rotation_x(roll);
-    Ok(DAffine3::from_mat3_translation(turned * sequence_from_camera(), eye))
+    // In the camera space of a sequence x is forward, y left and z up.
+    let sequence_from_camera = DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X);
+    Ok(DAffine3::from_mat3_translation(turned * sequence_from_camera, eye))
 }
 
 /// Size and lens of a perspective camera.

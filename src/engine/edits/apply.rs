@@ -225,25 +225,13 @@ fn spans_of(segments: &[Range<usize>], stays: &[bool]) -> impl Iterator<Item = S
 const BATCH: usize = 64;
 
 /// What a list leaves of the images of a set, which may be in a file; `outline` is all but the images. `votes` are those on the images
-/// as they are given; `place` is named in errors.
+/// as they are given; `place` is named in errors. Where the colors of `images` were changed, edits ask for those of `own`.
 ///
 /// The same input gives the same images, whatever the number of threads. An image that nothing is deleted from is shared.
 ///
 /// # Errors
 /// `Invalid` where the list asks for votes or normals that are not there; `Io` as [`ImageBuffer::get`]; `Cancelled`.
 pub fn cut(
-    images: &ImageBuffer,
-    outline: &SampleSet,
-    edits: &EditList,
-    votes: Option<&SampleVotes>,
-    place: &str,
-    job: &Job,
-) -> Result<EditedImages> {
-    cut_as(images, None, outline, edits, votes, place, job)
-}
-
-/// Cuts images whose colors were changed: edits ask for the colors of `own`.
-fn cut_as(
     images: &ImageBuffer,
     own: Option<&ImageBuffer>,
     outline: &SampleSet,
@@ -334,7 +322,7 @@ pub fn edit_samples(
     job: &Job,
 ) -> Result<(SampleSet, Vec<i64>)> {
     let EditedImages { images, taken, .. } =
-        cut(&ImageBuffer::of(&set.images), set, edits, votes, place, job)?;
+        cut(&ImageBuffer::of(&set.images), None, set, edits, votes, place, job)?;
     Ok((SampleSet { images: images.into_images()?, ..set.clone() }, taken))
 }
 
@@ -351,7 +339,7 @@ pub fn edit_tinted(
     job: &Job,
 ) -> Result<SampleSet> {
     let [shown, own] = [tinted, own].map(|set| ImageBuffer::of(&set.images));
-    let EditedImages { images, .. } = cut_as(&shown, Some(&own), tinted, edits, votes, place, job)?;
+    let EditedImages { images, .. } = cut(&shown, Some(&own), tinted, edits, votes, place, job)?;
     Ok(SampleSet { images: images.into_images()?, ..tinted.clone() })
 }
 

@@ -199,8 +199,9 @@ pub(crate) fn cut_by_hand(
         removed.iter().any(|removed| *removed > 0) || images.facts().any(|facts| facts.samples > 0);
     let votes =
         if edits.asks_for_votes() { Some(votes_on(&images, &outline.cameras, capture, job)?) } else { None };
+    let cut = edits.with_views_of_left_out(cameras);
     let EditedImages { images, dropped, dropped_pixels, .. } =
-        edits::cut(&images, &outline, &edits.with_views_of_left_out(cameras), votes.as_ref(), "edits", job)?;
+        edits::cut(&images, None, &outline, &cut, votes.as_ref(), "edits", job)?;
     edits::refuse_nothing(was_there, &images, "edits")?;
     for (camera, removed) in report.cameras.iter_mut().zip(removed) {
         camera.invalid = camera.invalid.saturating_sub(*removed);

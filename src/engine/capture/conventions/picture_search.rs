@@ -63,7 +63,7 @@ pub(super) fn refined(finding: Finding, comparison: &Comparison, frames: &[Arc<F
         ConventionVerdict::Unknown { .. } => true,
     };
     let pictures = PictureComparison::new(comparison, frames);
-    if pictures.patch_count() < LEAST_PATCHES {
+    if pictures.patches.iter().map(Vec::len).sum::<usize>() < LEAST_PATCHES {
         return finding;
     }
     let claimed = comparison.claimed;
@@ -253,11 +253,6 @@ impl<'a> PictureComparison<'a> {
         };
         let patches = comparison.pairs.iter().map(of_pair).collect();
         Self { comparison, pictures, patches }
-    }
-
-    /// Patches of all pairs.
-    pub(super) fn patch_count(&self) -> usize {
-        self.patches.iter().map(Vec::len).sum()
     }
 
     /// The mean correlation of patches under a reading, in each pair that has some; those that are carried out of the picture count as 0.

@@ -76,9 +76,18 @@ impl SpanSums {
     /// The sums over the first `pixels` pixels of some frames, at least one.
     pub(super) fn of(frames: &[FrameRun<'_>], pixels: usize) -> Self {
         let normals = frames.first().map_or(0, |frame| frame.normal.len().min(3 * pixels));
-        let mut sums = Self {
-            frames: frames.len() as u32,
-            is_open: vec![true; pixels],
+        let open = vec![true; pixels];
+        let mut sums = Self::zeroed(frames.len() as u32, open, normals, value_ranges(frames, pixels));
+        simd::run(Add { sums: &mut sums, frames });
+        sums
+    }
+
+    /// Nothing was added yet.
+    fn zeroed(frames: u32, is_open: Vec<bool>, normals: usize, values: ValueRanges) -> Self {
+        let pixels = is_open.len();
+        Self {
+            frames,
+            is_open,
             min_color: vec![0; 3 * pixels],
             max_color: vec![0; 3 * pixels],
             color: vec![0.0; 3 * pixels],
@@ -86,10 +95,8 @@ impl SpanSums {
             max_inverse_depth: vec![0.0; pixels],
             inverse_depth: vec![0.0; pixels],
             normal: vec![0.0; normals],
-            values: value_ranges(frames, pixels),
-        };
-        simd::run(Add { sums: &mut sums, frames });
-        sums
+            values,
+        }
     }
 
     /// Pixels.
@@ -448,18 +455,9 @@ impl Record for SpanSums {
         fill: impl FnOnce(&mut [&mut [u8]]) -> Result<()>,
     ) -> Result<Self> {
         let mut is_open = vec![0_u8; pixels];
-        let mut sums = Self {
-            frames,
-            is_open: Vec::new(),
-            min_color: vec![0; 3 * pixels],
-            max_color: vec![0; 3 * pixels],
-            color: vec![0.0; 3 * pixels],
-            min_inverse_depth: vec![0.0; pixels],
-            max_inverse_depth: vec![0.0; pixels],
-            inverse_depth: vec![0.0; pixels],
-            normal: vec![0.0; if normals { 3 * pixels } else { 0 }],
-            values: ValueRanges::missing(channels, pixels),
-        };
+        let normals = if normals { 3 * pixels } else { 0 };
+        let values = ValueRanges::missing(channels, pixels);
+        let mut sums = Self::zeroed(frames, vec![false; pixels], normals, values);
         fill(&mut [
             &mut is_open,
             bytemuck::cast_slice_mut(&mut sums.min_color),
