@@ -227,7 +227,7 @@ pub(crate) fn resolve_camera(pass: &PruningPass<'_>, camera: usize, decided: &Le
 
 /// Samples of one camera while their candidates are looked for in the layers of others.
 pub(crate) struct Preparing<'a> {
-    pub(crate) camera: usize,
+    camera: usize,
     samples: &'a RatedSamples,
     candidates: Vec<Vec<Candidate>>,
 }
@@ -241,6 +241,9 @@ impl<'a> Preparing<'a> {
     /// Adds the candidates in the layers of some other cameras, which are there.
     pub(crate) fn compare(&mut self, pass: &PruningPass<'_>, targets: &[usize]) {
         let (camera, samples) = (self.camera, self.samples);
+        if pass.pairs.others_among(camera, targets).next().is_none() {
+            return;
+        }
         let of_samples = self.candidates.par_iter_mut().with_min_len(CHUNK / 8).enumerate();
         of_samples.for_each(|(index, found)| {
             let is_kept = |found: &Candidate| pass.status(found.camera as usize, found.pixel) == KEPT;

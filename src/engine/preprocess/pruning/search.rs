@@ -142,12 +142,12 @@ impl<'a> Search<'a> {
 }
 
 /// Does something with every band of some searches.
-fn each_band(
-    searches: &mut [Search<'_>],
+fn each_band<'s, 'a: 's>(
+    searches: impl Iterator<Item = &'s mut Search<'a>>,
     job: &Job,
     work: impl Fn(&mut SearchBand<'_>) + Sync,
 ) -> Result<()> {
-    let mut bands: Vec<SearchBand<'_>> = searches.iter_mut().flat_map(Search::bands).collect();
+    let mut bands: Vec<SearchBand<'_>> = searches.flat_map(Search::bands).collect();
     bands.par_iter_mut().try_for_each(|band| {
         job.check()?;
         work(band);
@@ -165,7 +165,7 @@ pub(crate) fn find(
     is_first: bool,
     job: &Job,
 ) -> Result<()> {
-    each_band(searches, job, |band| simd::run(FindBest { pass, band, is_first }))
+    each_band(searches.iter_mut(), job, |band| simd::run(FindBest { pass, band, is_first }))
 }
 
 /// Finds thin samples among those without a candidate, for cameras whose own layers are there: votes depend on it.
@@ -173,18 +173,22 @@ pub(crate) fn find(
 /// # Errors
 /// `Cancelled`.
 pub(crate) fn look_at_own(pass: &PruningPass<'_>, searches: &mut [Search<'_>], job: &Job) -> Result<()> {
-    each_band(searches, job, |band| find_thin(pass, band))
+    each_band(searches.iter_mut(), job, |band| find_thin(pass, band))
 }
 
-/// Lets the cameras whose layers are there vote on samples without a candidate.
+/// Lets the cameras of `part`, whose layers are there, vote on samples without a candidate.
 ///
 /// # Errors
 /// `Cancelled`.
-pub(crate) fn ask_others(pass: &PruningPass<'_>, searches: &mut [&mut Search<'_>], job: &Job) -> Result<()> {
-    searches.par_iter_mut().try_for_each(|search| {
-        let one = std::slice::from_mut(&mut **search);
-        each_band(one, job, |band| simd::run(AskOthers { pass, band }))
-    })
+pub(crate) fn ask_others(
+    pass: &PruningPass<'_>,
+    searches: &mut [Search<'_>],
+    part: &[usize],
+    job: &Job,
+) -> Result<()> {
+    let seen =
+        searches.iter_mut().filter(|search| pass.pairs.others_among(search.camera, part).next().is_some());
+    each_band(seen, job, |band| simd::run(AskOthers { pass, band }))
 }
 
 /// The samples without a candidate whose verdicts a search in parts left open, ascending.
@@ -207,5 +211,5 @@ pub(crate) fn conclude_all(
     have_voted: bool,
     job: &Job,
 ) -> Result<()> {
-    each_band(searches, job, |band| conclude(pass, band, have_voted))
+    each_band(searches.iter_mut(), job, |band| conclude(pass, band, have_voted))
 }

@@ -51,16 +51,26 @@ pub(super) fn groups_within(pairs: &OverlapGraph<'_>, bytes: &CameraBytes<'_>) -
     if (0..count).all(|camera| needs(camera) <= bytes.bound) {
         return neighbors_within(pairs, bytes);
     }
-    let largest = bytes.layers.iter().copied().max().unwrap_or(0) * LAYERS_AT_A_TIME;
     let cameras: Vec<usize> = (0..count).collect();
-    let room = bytes.bound.saturating_sub(largest);
-    let group = |cameras: Vec<usize>| {
-        let others = cameras.iter().flat_map(|camera| pairs.others(*camera).map(|(other, _)| other));
-        let compared: BTreeSet<usize> = others.chain(cameras.iter().copied()).collect();
-        let compared: Vec<usize> = compared.into_iter().collect();
-        CameraGroup { cameras, parts: chunks_within(&compared, bytes.layers, largest) }
+    let room = bytes.bound.saturating_sub(layers_at_a_time(bytes.layers));
+    let in_parts = |cameras: Vec<usize>| {
+        let parts = parts_beside(pairs, bytes.layers, &cameras);
+        CameraGroup { cameras, parts }
     };
-    chunks_within(&cameras, bytes.samples, room).into_iter().map(group).collect()
+    chunks_within(&cameras, bytes.samples, room).into_iter().map(in_parts).collect()
+}
+
+/// All cameras that may see the samples of some, and these, in parts of a few layers.
+pub(super) fn parts_beside(pairs: &OverlapGraph<'_>, layers: &[usize], cameras: &[usize]) -> Vec<Vec<usize>> {
+    let others = cameras.iter().flat_map(|camera| pairs.others(*camera).map(|(other, _)| other));
+    let compared: BTreeSet<usize> = others.chain(cameras.iter().copied()).collect();
+    let compared: Vec<usize> = compared.into_iter().collect();
+    chunks_within(&compared, layers, layers_at_a_time(layers))
+}
+
+/// Bytes of the layers that are held at a time.
+fn layers_at_a_time(layers: &[usize]) -> usize {
+    layers.iter().copied().max().unwrap_or(0) * LAYERS_AT_A_TIME
 }
 
 /// Cuts cameras into pieces that take no more than `bound` together, or are of one camera.

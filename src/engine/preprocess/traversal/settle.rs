@@ -12,7 +12,7 @@
 
 use rayon::prelude::*;
 
-use super::groups::LAYERS_AT_A_TIME;
+use super::groups::{LAYERS_AT_A_TIME, parts_beside};
 use super::steps::{SAMPLE_BYTES, SpanStep};
 use crate::error::Result;
 use crate::preprocess::layers::RatedSamples;
@@ -67,6 +67,8 @@ impl SpanStep<'_, '_> {
         let job = self.of.job;
         while asked.iter().any(|asked| !asked.is_empty()) {
             let room = (self.of.recording.bound / 2 / SAMPLE_BYTES).max(LEAST_TOGETHER);
+            let count: usize = asked.iter().map(Vec::len).sum();
+            self.reserve(count.min(room) * SAMPLE_BYTES);
             let some = self.some_of(&mut asked, room)?;
             let mut searches = Vec::new();
             for SomeSamples { camera, indices, samples } in &some {
@@ -76,11 +78,8 @@ impl SpanStep<'_, '_> {
                 searches.push(Search::of_asked(*camera, samples, verdicts));
             }
             self.look_at_own(&mut searches)?;
-            self.part_by_part(
-                &mut searches,
-                |search| search.camera,
-                |pass, searches, _| pruning::ask_others(pass, searches, job),
-            )?;
+            let cameras: Vec<usize> = some.iter().map(|some| some.camera).collect();
+            self.part_by_part(&cameras, |pass, part| pruning::ask_others(pass, &mut searches, part, job))?;
             pruning::conclude_all(&self.pass(), &mut searches, true, job)?;
             for (SomeSamples { camera, indices, .. }, search) in some.iter().zip(searches) {
                 let mut decided = self.verdicts.take(*camera)?;
@@ -90,6 +89,7 @@ impl SpanStep<'_, '_> {
                 self.verdicts.put(*camera, decided)?;
             }
         }
+        self.reserve(0);
         Ok(())
     }
 
@@ -103,24 +103,15 @@ impl SpanStep<'_, '_> {
         Ok(())
     }
 
-    /// Goes through the layers of all that see each camera. `camera_of` gives the camera of an item; `look` gets the items of some cameras,
-    /// and the cameras whose layers are there.
-    fn part_by_part<T>(
+    /// Goes through the layers of some cameras and of all that may see their samples. `look` gets the cameras whose layers are there.
+    fn part_by_part(
         &mut self,
-        all: &mut [T],
-        camera_of: impl Fn(&T) -> usize,
-        mut look: impl FnMut(&PruningPass<'_>, &mut [&mut T], &[usize]) -> Result<()>,
+        cameras: &[usize],
+        mut look: impl FnMut(&PruningPass<'_>, &[usize]) -> Result<()>,
     ) -> Result<()> {
-        for group in self.of.groups(&vec![0; self.put.counts.len()]) {
-            let is_of_group = |one: &&mut T| group.cameras.contains(&camera_of(one));
-            let mut of_group: Vec<&mut T> = all.iter_mut().filter(is_of_group).collect();
-            if of_group.is_empty() {
-                continue;
-            }
-            for part in &group.parts {
-                self.hold(part, group.parts.len() > 1)?;
-                look(&self.pass(), &mut of_group, part)?;
-            }
+        for part in parts_beside(self.of.pairs, &self.of.layer_bytes(), cameras) {
+            self.hold(&part, true)?;
+            look(&self.pass(), &part)?;
         }
         Ok(())
     }
@@ -224,6 +215,8 @@ impl SpanStep<'_, '_> {
             waiting
         };
         let mut indices: Vec<Vec<u32>> = resolved.into_iter().map(of_camera).collect();
+        let asked: usize = indices.iter().map(Vec::len).sum();
+        self.reserve(held + asked.min(room) * PREPARED_BYTES);
         let some = self.some_of(&mut indices, room)?;
         let votes = self.pass().votes.is_on();
         let none_kept =
@@ -235,20 +228,18 @@ impl SpanStep<'_, '_> {
         if votes {
             self.look_at_own(&mut searches)?;
         }
-        let preparing = some.iter().map(|some| Preparing::new(some.camera, &some.samples));
-        let mut both: Vec<(Preparing<'_>, Search<'_>)> = preparing.zip(searches).collect();
-        self.part_by_part(
-            &mut both,
-            |(preparing, _)| preparing.camera,
-            |pass, both, part| {
-                both.par_iter_mut().for_each(|(preparing, _)| preparing.compare(pass, part));
-                let mut searches: Vec<&mut Search<'_>> = both.iter_mut().map(|(_, search)| search).collect();
-                if votes { pruning::ask_others(pass, &mut searches, job) } else { Ok(()) }
-            },
-        )?;
+        let mut preparing: Vec<Preparing<'_>> =
+            some.iter().map(|some| Preparing::new(some.camera, &some.samples)).collect();
+        let cameras: Vec<usize> = some.iter().map(|some| some.camera).collect();
+        self.part_by_part(&cameras, |pass, part| {
+            preparing.par_iter_mut().for_each(|preparing| preparing.compare(pass, part));
+            if votes { pruning::ask_others(pass, &mut searches, part, job) } else { Ok(()) }
+        })?;
+        let both = preparing.into_iter().zip(searches);
         for (SomeSamples { camera, indices, .. }, (preparing, search)) in some.iter().zip(both) {
             prepared[*camera].add(indices, preparing, &search.contradicted(&self.pass()));
         }
+        self.reserve(0);
         Ok(())
     }
 }

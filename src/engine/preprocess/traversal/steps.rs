@@ -88,8 +88,13 @@ impl Pruner<'_> {
         if self.window.holds_all {
             return vec![CameraGroup { cameras: all.clone(), parts: vec![all] }];
         }
-        let layers: Vec<usize> = all.iter().map(|camera| self.window.bytes(*camera)).collect();
+        let layers = self.layer_bytes();
         groups_within(self.pairs, &CameraBytes { layers: &layers, samples, bound: self.recording.bound })
+    }
+
+    /// Bytes of each camera's layer.
+    pub(super) fn layer_bytes(&self) -> Vec<usize> {
+        (0..self.window.layers.len()).map(|camera| self.window.bytes(camera)).collect()
     }
 
     /// Decides the samples of the span that was entered last, counts them where a `tally` is given, and packs what is kept.
@@ -157,10 +162,9 @@ impl SpanStep<'_, '_> {
             let pieces =
                 if in_parts { vec![group.cameras.clone()] } else { self.pieces(&group.cameras, |_| 0) };
             for cameras in pieces {
-                if in_parts {
-                    // Samples take the memory of the layers that are given up here.
-                    self.hold(&group.parts[0], true)?;
-                }
+                self.reserve(
+                    cameras.iter().map(|camera| self.put.counts[*camera]).sum::<usize>() * SAMPLE_BYTES,
+                );
                 let samples = self.samples(&cameras)?;
                 let searches = cameras.iter().zip(&samples);
                 let mut searches: Vec<Search<'_>> =
@@ -187,7 +191,15 @@ impl SpanStep<'_, '_> {
                 }
             }
         }
+        self.reserve(0);
         Ok(())
+    }
+
+    /// Takes so many bytes of the share of layers for samples, where not all layers are held.
+    pub(super) fn reserve(&mut self, bytes: usize) {
+        if !self.of.window.holds_all {
+            self.of.window.reserve(bytes);
+        }
     }
 
     pub(super) fn hold(&mut self, part: &[usize], in_parts: bool) -> Result<()> {

@@ -54,6 +54,8 @@ pub(super) struct LayerWindow<'a> {
     /// Layers that were given up, whose memory is used again.
     spare: Vec<CameraLayer>,
     turn: u64,
+    /// Bytes of the share of layers that something else takes.
+    reserved: usize,
     /// Whether all layers fit, and are held throughout.
     pub(super) holds_all: bool,
 }
@@ -72,6 +74,7 @@ impl<'a> LayerWindow<'a> {
             used: vec![0; count],
             spare: Vec::new(),
             turn: 0,
+            reserved: 0,
             holds_all: false,
         };
         window.holds_all = (0..count).map(|camera| window.bytes(camera)).sum::<usize>() <= recording.bound;
@@ -265,6 +268,13 @@ impl<'a> LayerWindow<'a> {
         Ok(())
     }
 
+    /// Leaves so many bytes of the share of layers to what is worked on, and gives layers up for it.
+    pub(super) fn reserve(&mut self, bytes: usize) {
+        self.reserved = bytes;
+        self.turn += 1;
+        self.give_up_for(&[]);
+    }
+
     /// Holds the layers of these cameras and of no others.
     ///
     /// # Errors
@@ -291,7 +301,8 @@ impl<'a> LayerWindow<'a> {
     }
 
     fn give_up_for(&mut self, missing: &[usize]) {
-        let mut bytes: usize = missing.iter().map(|camera| self.bytes(*camera)).sum();
+        let mut bytes = self.reserved;
+        bytes += missing.iter().map(|camera| self.bytes(*camera)).sum::<usize>();
         let is_held = |camera: &usize| !self.layers[*camera].geometry.is_empty();
         let mut held: Vec<usize> = (0..self.layers.len()).filter(is_held).collect();
         bytes += held.iter().map(|camera| self.bytes(*camera)).sum::<usize>();
