@@ -21,9 +21,9 @@ from pathlib import Path
 
 MANIFEST = "transforms.json"
 
-# Keys that are left out wherever they stand. Times, memory and threads differ from run to run. The bytes of a store depend on the
+# Keys that are left out wherever they stand. Times, load, memory and threads differ from run to run. The bytes of a store depend on the
 # words in which it says how it was made; result_hashes.sh hashes the stores themselves.
-LEFT_OUT = re.compile(r"milliseconds|seconds(_.*)?|threads|peak_rss_bytes|bytes_store")
+LEFT_OUT = re.compile(r"milliseconds|seconds(_.*)?|load_of_others|threads|peak_rss_bytes|bytes_store")
 
 
 def read_json(path):
