@@ -254,7 +254,7 @@ fn keys_are_heard_while_a_picture_at_rest_is_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let page = small_page(folder.path());
     load(&mut browser, &page, "");
-    // A device that is busy with the first step until the key is heard: none is so fast that the picture is there before the key.
+    // The device stays busy with the first step until the key is heard. So even a fast one does not end the picture before it.
     let busy = "const { canvas } = overlook.renderer; const isIdle = canvas.isIdle.bind(canvas); canvas.isIdle = () => 'heard' in window && isIdle(); overlook.stepsAtATime = 1";
     let listen = "addEventListener('keydown', () => { window.heard = Boolean(overlook.refining); })";
     browser.value(&format!("(() => {{ {busy}; {listen}; overlook.move((view) => view.orbit(0.1, 0)); }})()"));

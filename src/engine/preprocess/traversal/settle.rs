@@ -68,7 +68,7 @@ impl SpanStep<'_, '_> {
         while asked.iter().any(|asked| !asked.is_empty()) {
             let room = (self.of.recording.bound / 2 / SAMPLE_BYTES).max(LEAST_TOGETHER);
             let count: usize = asked.iter().map(Vec::len).sum();
-            self.reserve(count.min(room) * SAMPLE_BYTES);
+            self.of.window.reserve(count.min(room) * SAMPLE_BYTES);
             let some = self.some_of(&mut asked, room)?;
             let mut searches = Vec::new();
             for SomeSamples { camera, indices, samples } in &some {
@@ -78,8 +78,7 @@ impl SpanStep<'_, '_> {
                 searches.push(Search::of_asked(*camera, samples, verdicts));
             }
             self.look_at_own(&mut searches)?;
-            let cameras: Vec<usize> = some.iter().map(|some| some.camera).collect();
-            self.part_by_part(&cameras, |pass, part| pruning::ask_others(pass, &mut searches, part, job))?;
+            self.part_by_part(&some, |pass, part| pruning::ask_others(pass, &mut searches, part, job))?;
             pruning::conclude_all(&self.pass(), &mut searches, true, job)?;
             for (SomeSamples { camera, indices, .. }, search) in some.iter().zip(searches) {
                 let mut decided = self.verdicts.take(*camera)?;
@@ -89,7 +88,7 @@ impl SpanStep<'_, '_> {
                 self.verdicts.put(*camera, decided)?;
             }
         }
-        self.reserve(0);
+        self.of.window.reserve(0);
         Ok(())
     }
 
@@ -103,13 +102,14 @@ impl SpanStep<'_, '_> {
         Ok(())
     }
 
-    /// Goes through the layers of some cameras and of all that may see their samples. `look` gets the cameras whose layers are there.
+    /// Goes through the layers of the cameras of some samples, and of all that may see these. `look` gets the cameras whose layers are there.
     fn part_by_part(
         &mut self,
-        cameras: &[usize],
+        some: &[SomeSamples],
         mut look: impl FnMut(&PruningPass<'_>, &[usize]) -> Result<()>,
     ) -> Result<()> {
-        for part in parts_beside(self.of.pairs, &self.of.layer_bytes(), cameras) {
+        let cameras: Vec<usize> = some.iter().map(|some| some.camera).collect();
+        for part in parts_beside(self.of.pairs, &self.of.layer_bytes(), &cameras) {
             self.hold(&part, true)?;
             look(&self.pass(), &part)?;
         }
@@ -216,7 +216,7 @@ impl SpanStep<'_, '_> {
         };
         let mut indices: Vec<Vec<u32>> = resolved.into_iter().map(of_camera).collect();
         let asked: usize = indices.iter().map(Vec::len).sum();
-        self.reserve(held + asked.min(room) * PREPARED_BYTES);
+        self.of.window.reserve(held + asked.min(room) * PREPARED_BYTES);
         let some = self.some_of(&mut indices, room)?;
         let votes = self.pass().votes.is_on();
         let none_kept =
@@ -230,8 +230,7 @@ impl SpanStep<'_, '_> {
         }
         let mut preparing: Vec<Preparing<'_>> =
             some.iter().map(|some| Preparing::new(some.camera, &some.samples)).collect();
-        let cameras: Vec<usize> = some.iter().map(|some| some.camera).collect();
-        self.part_by_part(&cameras, |pass, part| {
+        self.part_by_part(&some, |pass, part| {
             preparing.par_iter_mut().for_each(|preparing| preparing.compare(pass, part));
             if votes { pruning::ask_others(pass, &mut searches, part, job) } else { Ok(()) }
         })?;
@@ -239,7 +238,7 @@ impl SpanStep<'_, '_> {
         for (SomeSamples { camera, indices, .. }, (preparing, search)) in some.iter().zip(both) {
             prepared[*camera].add(indices, preparing, &search.contradicted(&self.pass()));
         }
-        self.reserve(0);
+        self.of.window.reserve(0);
         Ok(())
     }
 }

@@ -162,9 +162,8 @@ impl SpanStep<'_, '_> {
             let pieces =
                 if in_parts { vec![group.cameras.clone()] } else { self.pieces(&group.cameras, |_| 0) };
             for cameras in pieces {
-                self.reserve(
-                    cameras.iter().map(|camera| self.put.counts[*camera]).sum::<usize>() * SAMPLE_BYTES,
-                );
+                let count: usize = cameras.iter().map(|camera| self.put.counts[*camera]).sum();
+                self.of.window.reserve(count * SAMPLE_BYTES);
                 let samples = self.samples(&cameras)?;
                 let searches = cameras.iter().zip(&samples);
                 let mut searches: Vec<Search<'_>> =
@@ -191,15 +190,8 @@ impl SpanStep<'_, '_> {
                 }
             }
         }
-        self.reserve(0);
+        self.of.window.reserve(0);
         Ok(())
-    }
-
-    /// Takes so many bytes of the share of layers for samples, where not all layers are held.
-    pub(super) fn reserve(&mut self, bytes: usize) {
-        if !self.of.window.holds_all {
-            self.of.window.reserve(bytes);
-        }
     }
 
     pub(super) fn hold(&mut self, part: &[usize], in_parts: bool) -> Result<()> {

@@ -268,11 +268,13 @@ impl<'a> LayerWindow<'a> {
         Ok(())
     }
 
-    /// Leaves so many bytes of the share of layers to what is worked on, and gives layers up for it.
+    /// Leaves so many bytes of the share of layers to what is worked on, and gives layers up for it, unless all are held.
     pub(super) fn reserve(&mut self, bytes: usize) {
-        self.reserved = bytes;
-        self.turn += 1;
-        self.give_up_for(&[]);
+        if !self.holds_all {
+            self.reserved = bytes;
+            self.turn += 1;
+            self.give_up_for(&[]);
+        }
     }
 
     /// Holds the layers of these cameras and of no others.
